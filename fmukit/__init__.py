@@ -1,0 +1,1 @@
+"""How an FMU is declared (`interface`), computed (`kernel`), made (`build`) and run (`runtime`); knows nothing of cars."""
