@@ -1,0 +1,1 @@
+"""The controllers: reference trajectory, high-level tracking and low-level loops."""
