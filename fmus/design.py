@@ -1,0 +1,180 @@
+"""The nominal car as controllers and filters know it: a few numbers derived from the plant's parameters.toml.
+
+Controllers take only the START values of their own design parameters from here, so simulated truth and assumed
+model stay separate objects.
+"""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+
+from fmus.vehicle16dof import magic
+
+_PARAMETERS = Path(__file__).parent / "vehicle16dof" / "parameters.toml"
+SECANT_ACCELERATION = 4.0
+"""Lateral acceleration [m/s2] at which the axle cornering stiffness is taken (engineering choice)."""
+
+
+@dataclass(frozen=True, slots=True)
+class DesignModel:
+    """Nominal data, SI. `cornering_*` per axle [N/rad], suspension and tyre rates per corner."""
+
+    mass: float
+    sprung_mass: float
+    roll_inertia: float
+    pitch_inertia: float
+    yaw_inertia: float
+    l_f: float
+    l_r: float
+    track: float
+    cog_height: float
+    wheel_radius: float
+    rolling_radius: float
+    loaded_radius: float
+    wheel_inertia: float
+    spring_front: float
+    spring_rear: float
+    damper_front: float
+    damper_rear: float
+    anti_roll_front: float
+    anti_roll_rear: float
+    tyre_stiffness: float
+    cornering_front: float
+    cornering_rear: float
+    pneumatic_trail: float
+    relaxation_length: float
+    drag_area: float
+    air_density: float
+    rolling_resistance: float
+    gravity: float
+    steer_inertia: float
+    steer_damping: float
+
+    @property
+    def wheelbase(self) -> float:
+        return self.l_f + self.l_r
+
+    @property
+    def suspension_roll_stiffness(self) -> tuple[float, float]:
+        """Roll stiffness [N.m/rad] of the front and rear suspension: (k/2 + k_arb) d^2."""
+        d2 = self.track**2
+        return (
+            (0.5 * self.spring_front + self.anti_roll_front) * d2,
+            (0.5 * self.spring_rear + self.anti_roll_rear) * d2,
+        )
+
+    @property
+    def roll_stiffness(self) -> tuple[float, float]:
+        """Roll stiffness [N.m/rad] of front and rear, suspension in series with the tyres c_z d^2 / 2."""
+        tyre = 0.5 * self.tyre_stiffness * self.track**2
+        front, rear = (1.0 / (1.0 / k + 1.0 / tyre) for k in self.suspension_roll_stiffness)
+        return front, rear
+
+
+def design_model() -> DesignModel:
+    """The nominal car from parameters.toml.
+
+    Inertias are about the total centre of gravity; the pneumatic trail is the mean over both axles at static load.
+    """
+    v = {name: entry["value"] for name, entry in tomllib.loads(_PARAMETERS.read_text("utf-8")).items()}
+    m, loads = _mass(v), _static_loads(v)
+    inertia = _inertia(v)
+    c_F, c_R = _cornering(v, m, loads)
+    sinking = sum(loads) / 2.0 / v["tyre.vertical_stiffness"]
+    return DesignModel(
+        mass=m,
+        sprung_mass=v["body.mass"],
+        roll_inertia=inertia[0],
+        pitch_inertia=inertia[1],
+        yaw_inertia=inertia[2],
+        l_f=v["geometry.front_axle"],
+        l_r=v["geometry.rear_axle"],
+        track=0.5 * (v["geometry.track_front"] + v["geometry.track_rear"]),
+        cog_height=_height(v, loads),
+        wheel_radius=v["wheel.radius"],
+        rolling_radius=v["wheel.radius"] - sinking / 3.0,
+        loaded_radius=v["wheel.radius"] - sinking,
+        wheel_inertia=v["wheel.inertia.spin"],
+        spring_front=v["suspension.front.stiffness"],
+        spring_rear=v["suspension.rear.stiffness"],
+        damper_front=v["suspension.front.damping"],
+        damper_rear=v["suspension.rear.damping"],
+        anti_roll_front=v["suspension.front.anti_roll"],
+        anti_roll_rear=v["suspension.rear.anti_roll"],
+        tyre_stiffness=v["tyre.vertical_stiffness"],
+        cornering_front=c_F,
+        cornering_rear=c_R,
+        pneumatic_trail=v["tyre.trail"] * sum(loads) / 2.0 / v["tyre.nominal_load"],
+        relaxation_length=v["tyre.relaxation.lateral"],
+        drag_area=v["body.drag_coefficient"] * v["body.frontal_area"],
+        air_density=v["air.density"],
+        rolling_resistance=v["tyre.rolling.constant"],
+        gravity=v["gravity"],
+        steer_inertia=v["knuckle.inertia.z"] + v["wheel.inertia.diametral"],
+        steer_damping=v["steering.damping"],
+    )
+
+
+def _mass(v: dict[str, float]) -> float:
+    return v["body.mass"] + 4.0 * (v["knuckle.mass"] + v["wheel.mass"])
+
+
+def _static_loads(v: dict[str, float]) -> tuple[float, float]:
+    """Load [N] of one front and one rear wheel."""
+    l_F, l_R = v["geometry.front_axle"], v["geometry.rear_axle"]
+    half = 0.5 * _mass(v) * v["gravity"] / (l_F + l_R)
+    return half * l_R, half * l_F
+
+
+def _height(v: dict[str, float], loads: tuple[float, float]) -> float:
+    """Height of O1 above the ground [m] with the suspension at zero travel."""
+    l_F, l_R = v["geometry.front_axle"], v["geometry.rear_axle"]
+    front, rear = (
+        v["wheel.radius"] - load / v["tyre.vertical_stiffness"] + v[f"geometry.wheel_drop_{axle}"]
+        for load, axle in zip(loads, ("front", "rear"), strict=True)
+    )
+    return (l_R * front + l_F * rear) / (l_F + l_R)
+
+
+def _inertia(v: dict[str, float]) -> tuple[float, float, float]:
+    """Principal inertias [kg.m2] of the whole car about O1, steering straight."""
+    x, y, z, m = v["body.cog.x"], v["body.cog.y"], v["body.cog.z"], v["body.mass"]
+    I_x = v["body.inertia.x"] + m * (y * y + z * z)
+    I_y = v["body.inertia.y"] + m * (x * x + z * z)
+    I_z = v["body.inertia.z"] + m * (x * x + y * y)
+    m_u = v["knuckle.mass"] + v["wheel.mass"]
+    for axle in ("front", "rear"):
+        x, y = v[f"geometry.{axle}_axle"], 0.5 * v[f"geometry.track_{axle}"]
+        drop = v[f"geometry.wheel_drop_{axle}"]
+        I_x += 2.0 * (m_u * (y * y + drop * drop) + v["knuckle.inertia.x"] + v["wheel.inertia.diametral"])
+        I_y += 2.0 * (m_u * (x * x + drop * drop) + v["knuckle.inertia.y"] + v["wheel.inertia.spin"])
+        I_z += 2.0 * (m_u * (x * x + y * y) + v["knuckle.inertia.z"] + v["wheel.inertia.diametral"])
+    return I_x, I_y, I_z
+
+
+def _cornering(v: dict[str, float], m: float, loads: tuple[float, float]) -> tuple[float, float]:
+    """Axle cornering stiffness [N/rad]: secant force over slip angle at SECANT_ACCELERATION, load transfer included.
+
+    Each axle carries its static share of the lateral force; half of the load transfer m a_y h / d goes to each axle.
+    """
+    k = {name.removeprefix("tyre."): value for name, value in v.items() if name.startswith("tyre.")}
+    transfer = 0.5 * m * SECANT_ACCELERATION * _height(v, loads) / v["geometry.track_front"]
+    front, rear = (_secant(k, load, transfer, 2.0 * load / v["gravity"] * SECANT_ACCELERATION) for load in loads)
+    return front, rear
+
+
+def _secant(k: dict[str, float], load: float, transfer: float, force: float) -> float:
+    """Bisection for the slip angle [rad] at which both wheels of an axle give `force` [N]; returns force / slip."""
+    low, high = 0.0, 0.3
+    for _ in range(60):
+        alpha = 0.5 * (low + high)
+        given = -sum(magic.lateral(math, k, F_z, 1.0, math.tan(alpha)) for F_z in (load - transfer, load + transfer))
+        low, high = (alpha, high) if given < force else (low, alpha)
+    return force / low
+
+
+DESIGN = design_model()
+"""The nominal car, computed once."""
