@@ -1,0 +1,1 @@
+"""Sensors: from the plant's true motion to what the controllers may see."""
