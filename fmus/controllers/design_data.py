@@ -1,0 +1,42 @@
+"""What the controllers assume about the car: parameters `design.*`, started from the nominal vehicle."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from fmukit.interface import Variable, parameter
+from fmus.design import DESIGN
+
+_TEXTS = {
+    "mass": ("kg", "total mass"),
+    "sprung_mass": ("kg", "mass of the body above the suspension"),
+    "roll_inertia": ("kg.m2", "roll inertia of the body"),
+    "pitch_inertia": ("kg.m2", "pitch inertia of the body"),
+    "yaw_inertia": ("kg.m2", "yaw inertia of the whole car"),
+    "l_f": ("m", "distance of the front axle from the centre of gravity"),
+    "l_r": ("m", "distance of the rear axle from the centre of gravity"),
+    "track": ("m", "track width"),
+    "loaded_radius": ("m", "height of the wheel centres above the road"),
+    "wheel_inertia": ("kg.m2", "spin inertia of one wheel"),
+    "cornering_front": ("N/rad", "cornering stiffness of the front axle"),
+    "cornering_rear": ("N/rad", "cornering stiffness of the rear axle"),
+    "pneumatic_trail": ("m", "pneumatic trail of the tyres"),
+    "relaxation_length": ("m", "lateral relaxation length of the tyres"),
+    "drag_area": ("m2", "drag coefficient times frontal area"),
+    "air_density": ("kg/m3", "density of the air"),
+    "gravity": ("m/s2", "gravity"),
+    "steer_inertia": ("kg.m2", "inertia of knuckle and wheel about the kingpin"),
+    "steer_damping": ("N.m.s/rad", "damping of one steering joint"),
+}
+
+
+def design_parameters(names: Iterable[str]) -> list[Variable]:
+    """One parameter `design.<name>` per field of the nominal vehicle; unknown names raise KeyError."""
+    return [_design_parameter(name, *_TEXTS[name]) for name in names]
+
+
+def _design_parameter(name: str, unit: str, text: str) -> Variable:
+    start = float(getattr(DESIGN, name))
+    return parameter(
+        f"design.{name}", unit, f"assumed {text}", start, minimum=0.0, source="nominal vehicle, fmus/vehicle16dof"
+    )
