@@ -1,1 +1,3 @@
 """How an FMU is declared (`interface`), computed (`kernel`), made (`build`) and run (`runtime`); knows nothing of cars."""
+
+__version__ = "0.1.0"

@@ -10,10 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from importlib import import_module
 
 import casadi as ca
 
+from fmukit.component import Component as Component
 from fmukit.interface import Causality, Interface
 
 
@@ -30,18 +30,6 @@ class Kernel:
     initialise: ca.Function
     step: ca.Function
     output: ca.Function | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Component:
-    """One entry of the catalogue: the interface, and the module whose `kernel()` returns its `Kernel`."""
-
-    interface: Interface
-    model: str
-
-    def kernel(self) -> Kernel:
-        kernel: Kernel = import_module(self.model).kernel()
-        return kernel
 
 
 class Signals:

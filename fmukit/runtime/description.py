@@ -1,0 +1,78 @@
+"""What the runtime knows of its FMU: the slots of the buffer, read from `interface.json`.
+
+The buffer of an instance is `[parameters | inputs | outputs | derived | states]`, all doubles; the value reference of
+a variable is its slot. `fault` is the last output. String parameters keep an unused slot.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+LARGEST = 1.7976931348623157e308
+
+
+@dataclass(frozen=True, slots=True)
+class Port:
+    """One variable: its limits are finite, so that a comparison with them also refuses NaN and infinity."""
+
+    name: str
+    type: str
+    causality: str
+    start: Any
+    low: float
+    high: float
+    unit: str
+
+
+@dataclass(frozen=True, slots=True)
+class TableFile:
+    """The CSV file to read at initialisation: its path is the value of the String parameter at `slot`."""
+
+    slot: int
+    columns: tuple[str, ...]
+    rows: int
+
+
+@dataclass(frozen=True, slots=True)
+class Description:
+    name: str
+    hash: str
+    continuous: bool
+    step: float
+    max_substep: float
+    ports: tuple[Port, ...]
+    size: int
+    period_slot: int
+    seed_slot: int
+    table: TableFile | None
+
+    @property
+    def fault(self) -> int:
+        """Slot of the output `fault`."""
+        return len(self.ports) - 1
+
+    @staticmethod
+    def read(path: Path) -> Description:
+        raw = json.loads(path.read_text("utf-8"))
+        ports = tuple(_port(*entry) for entry in raw["variables"])
+        slots = {port.name: slot for slot, port in enumerate(ports)}
+        table = raw["table"]
+        return Description(
+            name=raw["name"],
+            hash=path.parent.name,
+            continuous=raw["kind"] == "continuous",
+            step=raw["step"],
+            max_substep=LARGEST if raw["max_substep"] is None else raw["max_substep"],
+            ports=ports,
+            size=len(ports) + raw["derived"] + raw["states"],
+            period_slot=slots.get("sample_period", -1),
+            seed_slot=slots.get("seed", -1),
+            table=table and TableFile(slots[table["parameter"]], tuple(table["columns"]), table["rows"]),
+        )
+
+
+def _port(name: str, type_: str, causality: str, start: Any, low: Any, high: Any, unit: str) -> Port:
+    return Port(name, type_, causality, start, -LARGEST if low is None else low, LARGEST if high is None else high, unit)

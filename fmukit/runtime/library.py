@@ -1,0 +1,60 @@
+"""The compiled kernel: loaded with the first instance that needs it, released with the last."""
+
+from __future__ import annotations
+
+import _ctypes
+import ctypes
+import sys
+from pathlib import Path
+
+FILE = {"win32": "kernel.dll", "darwin": "kernel.dylib"}.get(sys.platform, "kernel.so")
+_PROTOTYPES = {
+    "fmukit_initialise": (ctypes.c_void_p, ctypes.c_int64, ctypes.c_void_p, ctypes.c_double),
+    "fmukit_sample": (ctypes.c_void_p, ctypes.c_int64, ctypes.c_int64, ctypes.c_double),
+    "fmukit_advance": (ctypes.c_void_p, ctypes.c_double, ctypes.c_int64),
+    "fmukit_size": (),
+}
+_loaded: dict[str, tuple[ctypes.PyDLL, int]] = {}
+
+
+class LibraryError(Exception):
+    """The kernel library cannot be used; the message is a sentence for the user."""
+
+
+def load(path: Path, size: int) -> ctypes.PyDLL:
+    """One more user of the library at `path`, whose buffers must have `size` doubles.
+
+    PyDLL keeps the GIL: the kernel's scratch memory is static and shared by all instances of the process.
+    """
+    key = str(path)
+    library, users = _loaded.get(key) or (_open(path), 0)
+    _loaded[key] = (library, users + 1)
+    if library.fmukit_size() != size:
+        release(path)
+        raise LibraryError(f"{path.name} does not belong to this FMU; unpack the FMU again")
+    return library
+
+
+def release(path: Path) -> None:
+    """One user less; the last one unloads the library, so that its file can be deleted."""
+    library, users = _loaded.pop(str(path))
+    if users > 1:
+        _loaded[str(path)] = (library, users - 1)
+    elif sys.platform == "win32":
+        _ctypes.FreeLibrary(library._handle)
+    else:
+        _ctypes.dlclose(library._handle)
+
+
+def _open(path: Path) -> ctypes.PyDLL:
+    if not path.is_file():
+        raise LibraryError(f"this FMU has no kernel for {sys.platform} ({path.name}); build it for this platform")
+    try:
+        library = ctypes.PyDLL(str(path))
+    except OSError as error:
+        raise LibraryError(f"{path.name} cannot be loaded ({error}); build the FMU for this platform") from error
+    for name, arguments in _PROTOTYPES.items():
+        function = getattr(library, name, None)
+        if function is not None:
+            function.argtypes, function.restype = list(arguments), ctypes.c_int
+    return library

@@ -1,0 +1,73 @@
+"""Which slots a list of value references means, worked out once and reused while the host repeats the list."""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Sequence
+from operator import itemgetter, le
+
+from .description import Description, Port
+
+
+class Refusal(Exception):
+    """A call cannot be served; the message is a sentence naming the variable, the value and the remedy."""
+
+
+class Plan:
+    """The slots of one list of value references, all of one type."""
+
+    __slots__ = ("_pick", "highs", "lows", "slots", "where")
+
+    def __init__(self, description: Description, slots: list[int]) -> None:
+        ports = [description.ports[slot] for slot in slots]
+        self.slots = slots
+        self.lows = [port.low for port in ports]
+        self.highs = [port.high for port in ports]
+        contiguous = bool(slots) and slots == list(range(slots[0], slots[0] + len(slots)))
+        self.where = slice(slots[0], slots[0] + len(slots)) if contiguous else None
+        self._pick = itemgetter(*slots) if len(slots) > 1 else None
+
+    def read(self, buffer: array[float]) -> list[float]:
+        if self.where is not None:
+            return buffer[self.where].tolist()
+        return list(self._pick(buffer)) if self._pick else []
+
+    def write(self, buffer: array[float], values: list[float]) -> None:
+        if self.where is not None:
+            buffer[self.where] = array("d", values)
+        else:
+            for slot, value in zip(self.slots, values, strict=True):
+                buffer[slot] = value
+
+    def accepts(self, values: list[float]) -> bool:
+        """Whether all values are inside their limits; NaN and infinities are not."""
+        return all(map(le, self.lows, values)) and all(map(le, values, self.highs))
+
+
+def plan(description: Description, vrs: Sequence[int], type_: str) -> Plan:
+    """The plan of `vrs`; raises Refusal when one does not exist or has another type."""
+    for vr in vrs:
+        if not 0 <= vr < len(description.ports):
+            raise Refusal(f"there is no variable with value reference {vr}; see modelDescription.xml")
+        port = description.ports[vr]
+        if port.type != type_:
+            raise Refusal(f"{port.name} is of type {port.type}; get and set it as {port.type}, not as {type_}")
+    return Plan(description, list(vrs))
+
+
+def check_settable(description: Description, slots: list[int], initialised: bool) -> None:
+    """Raise Refusal for outputs, and for parameters once the instance is initialised."""
+    for slot in slots:
+        port = description.ports[slot]
+        if port.causality == "output":
+            raise Refusal(f"{port.name} is an output and cannot be set; set inputs and parameters only")
+        if port.causality == "parameter" and initialised:
+            raise Refusal(f"{port.name} is a fixed parameter; set it before the end of initialisation, or reset")
+
+
+def complaint(port: Port, value: float) -> str:
+    """The sentence for a value outside the limits of its variable."""
+    unit = "" if port.unit == "1" else f" {port.unit}"
+    if value != value or value in (float("inf"), float("-inf")):
+        return f"{port.name} = {value} is not a finite number; keep it inside [{port.low:g}, {port.high:g}]{unit}"
+    return f"{port.name} = {value!r}{unit} is outside [{port.low:g}, {port.high:g}]{unit}; the old value is kept"

@@ -1,0 +1,71 @@
+"""How time passes: a continuous kernel integrates the step it is given, a sampled one serves its own grid.
+
+Both `step` functions return the kernel's code: 0, or what went wrong (see `fmukit/build/shim.c`), or `TOO_LONG`.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from math import ceil
+
+TOO_LONG = -2
+_MOST = 10_000_000
+_TOLERANCE = 1e-6
+
+
+class Continuous:
+    """Integrate in equal substeps no longer than `max_substep` [s]."""
+
+    index = 0
+
+    def __init__(self, library: ctypes.PyDLL, address: int, max_substep: float) -> None:
+        self._advance = library.fmukit_advance
+        self._address = address
+        self._max_substep = max_substep
+
+    def start(self, period: float, seed: int) -> None:
+        """Nothing to set: a continuous kernel has neither grid nor noise."""
+
+    def step(self, t: float, dt: float, origin: float) -> int:
+        count = substeps(dt, self._max_substep)
+        if count > _MOST:
+            return TOO_LONG
+        code: int = self._advance(self._address, dt / count, count)
+        return code
+
+
+class Sampled:
+    """Compute sample k at `origin + k period`, at the start of the step that holds this instant.
+
+    The grid is laid on the host's time with a tolerance of 1e-6 period, so neither jitter nor the length of the
+    host's steps changes the samples. Instants in a gap of the host's time (it carried on after a discarded step)
+    are skipped.
+    """
+
+    def __init__(self, library: ctypes.PyDLL, address: int) -> None:
+        self._sample = library.fmukit_sample
+        self._address = address
+        self._period = 0.0
+        self._seed = 0
+        self.index = 0
+
+    def start(self, period: float, seed: int) -> None:
+        self._period, self._seed, self.index = period, seed, 0
+
+    def step(self, t: float, dt: float, origin: float) -> int:
+        period = self._period
+        index = max(self.index, ceil((t - origin) / period - _TOLERANCE))
+        end = ceil((t + dt - origin) / period - _TOLERANCE)
+        if end - index > _MOST:
+            return TOO_LONG
+        for k in range(index, end):
+            code: int = self._sample(self._address, self._seed, k + 1, k * period)
+            if code:
+                return code
+            self.index = k + 1
+        return 0
+
+
+def substeps(duration: float, longest: float) -> int:
+    """How many equal substeps no longer than `longest` make up `duration`; rounding noise adds none."""
+    return max(1, ceil(duration / longest * (1.0 - 1e-9)))

@@ -1,0 +1,59 @@
+"""The numeric CSV file a component may read at initialisation."""
+
+from __future__ import annotations
+
+import csv
+from array import array
+from itertools import pairwise
+from math import isfinite
+
+from .description import TableFile
+
+
+class TableError(Exception):
+    """The file cannot be used; the message is a sentence naming file, line and remedy."""
+
+
+def read(path: str, spec: TableFile) -> tuple[array[float], int]:
+    """All rows one after the other, the last one repeated up to the capacity, and the number of rows.
+
+    An empty path gives an empty table of zeros and 0 rows.
+    """
+    rows = _rows(path, spec) if path else []
+    last = rows[-1] if rows else [0.0] * len(spec.columns)
+    flat = array("d")
+    for row in rows + [last] * (spec.rows - len(rows)):
+        flat.extend(row)
+    return flat, len(rows)
+
+
+def _rows(path: str, spec: TableFile) -> list[list[float]]:
+    try:
+        with open(path, encoding="utf-8-sig", newline="") as file:
+            lines = [line for line in csv.reader(file, skipinitialspace=True) if line]
+    except (OSError, ValueError, csv.Error) as error:
+        raise TableError(f"table {path} cannot be read ({error}); give the path of a CSV file") from error
+    _check_shape(path, lines, spec)
+    rows = [_numbers(path, number, line, spec) for number, line in enumerate(lines[1:], start=2)]
+    for number, (before, after) in enumerate(pairwise(rows), start=3):
+        if not before[0] < after[0]:
+            raise TableError(f"table {path}, row {number}: {spec.columns[0]} must increase from row to row")
+    return rows
+
+
+def _check_shape(path: str, lines: list[list[str]], spec: TableFile) -> None:
+    header = tuple(cell.strip() for cell in lines[0]) if lines else ()
+    if header != spec.columns:
+        raise TableError(f"table {path} must start with the line {','.join(spec.columns)}, not {','.join(header)}")
+    if not 2 <= len(lines) - 1 <= spec.rows:
+        raise TableError(f"table {path} has {len(lines) - 1} rows; it must have 2 to {spec.rows}")
+
+
+def _numbers(path: str, number: int, line: list[str], spec: TableFile) -> list[float]:
+    try:
+        values = [float(cell) for cell in line]
+    except ValueError:
+        values = []
+    if len(values) != len(spec.columns) or not all(map(isfinite, values)):
+        raise TableError(f"table {path}, row {number}: expected {len(spec.columns)} finite numbers, got {','.join(line)}")
+    return values

@@ -1,0 +1,69 @@
+"""A noisy sampled component with a table: first-order filter of a measured value. For tests of fmukit only."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from fmukit.component import Component
+from fmukit.interface import Table, input_, output, parameter, sampled
+from fmukit.kernel import Kernel, Layout, sampled_kernel, stack, symbols
+
+ROWS = 6
+INTERFACE = sampled(
+    "DemoFilter",
+    "First-order filter of a noisy measurement, with a profile from a file",
+    step=5e-3,
+    noise=3,
+    table=Table("profile_file", ("time", "level"), ROWS),
+    variables=[
+        parameter("time_constant", "s", "time constant of the filter", 0.05, minimum=1e-3),
+        parameter("sigma", "m", "standard deviation of the noise", 0.1, minimum=0.0),
+        parameter("profile_file", "1", "CSV file of the profile; empty for none", ""),
+        input_("measured", "m", "measured value", minimum=-1e6, maximum=1e6),
+        output("filtered", "m", "filtered value"),
+        output("noise", "m", "noise of this sample"),
+        output("level", "m", "profile value at the sampling instant"),
+        output("quotient", "1", "1 / (measured - 77): not finite at 77"),
+        output("count", "1", "number of samples so far"),
+    ],
+)
+COMPONENT = Component(INTERFACE, "demo_filter")
+
+
+def kernel() -> Kernel:
+    states, derived = Layout(z=1, n=1), Layout(table=2 * ROWS, rows=1)
+    p, u = symbols(INTERFACE, "parameter"), symbols(INTERFACE, "input")
+    x, d, w, t = states.symbol(), derived.symbol("d"), ca.SX.sym("w", 3), ca.SX.sym("t")
+    table, rows = ca.SX.sym("table", 2, ROWS), ca.SX.sym("rows")
+
+    def level(table: ca.SX, rows: ca.SX, t: ca.SX) -> ca.SX:
+        """Piecewise linear, constant outside, 0 without a file."""
+        value = table[1, 0]
+        for k in range(ROWS - 1):
+            width = table[0, k + 1] - table[0, k]
+            share = ca.fmin(ca.fmax((t - table[0, k]) / (width + (width == 0)), 0), 1)
+            value = value + share * (table[1, k + 1] - table[1, k])
+        return ca.if_else(rows > 0, value, 0)
+
+    def y(**values: ca.SX) -> ca.SX:
+        return stack(INTERFACE.names("output"), values)
+
+    first = p["sigma"] * w[0]
+    noise = p["sigma"] * (w[0] + w[1] * w[2])
+    decay = ca.exp(-p["sample_period"] / p["time_constant"])
+    z = decay * x[0] + (1 - decay) * (u["measured"] + noise)
+    quotient = 1 / (u["measured"] - 77)
+    flat = ca.reshape(d[: 2 * ROWS], 2, ROWS)
+    start = y(filtered=first, noise=first, level=level(table, rows, 0), quotient=ca.SX(0), count=ca.SX(0))
+    next_ = y(filtered=z, noise=noise, level=level(flat, d[2 * ROWS], t), quotient=quotient, count=x[1] + 1)
+    return sampled_kernel(
+        INTERFACE,
+        states=states,
+        derived=derived,
+        initialise=ca.Function(
+            "initialise",
+            [p.column, u.column, w, table, rows],
+            [ca.vertcat(ca.vec(table), rows), ca.vertcat(first, 0), start],
+        ),
+        step=ca.Function("step", [p.column, d, u.column, x, w, t], [ca.vertcat(z, x[1] + 1), next_]),
+    )
