@@ -1,0 +1,135 @@
+"""From a `System` and the faces of its models to checked nodes and connections: names, types, ranges, units."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from cosim.clock import nanoseconds
+from cosim.errors import CosimError, unknown
+from cosim.face import Face, Value
+from cosim.system import Instance, System, Wire
+from cosim.units import Conversion, conversion
+from cosim.values import coerce
+
+SAMPLE_PERIOD = "sample_period"
+SEED = "seed"
+_MAX_SEED = 2**31 - 1
+
+
+@dataclass(frozen=True, slots=True)
+class Connection:
+    """One Real output to one Real input; the value is converted as `conversion` says."""
+
+    source: str
+    output: str
+    target: str
+    input: str
+    conversion: Conversion
+
+    @property
+    def text(self) -> str:
+        return f"{self.source}.{self.output} -> {self.target}.{self.input}"
+
+
+@dataclass(slots=True)
+class Node:
+    """One instance, checked. `period` [ns]; `values` are set before initialisation; `incoming` by input name."""
+
+    name: str
+    face: Face
+    period: int
+    values: dict[str, Value]
+    incoming: dict[str, Connection] = field(default_factory=dict)
+
+
+def assemble(system: System, faces: Mapping[str, Face], seed: int) -> dict[str, Node]:
+    """The nodes of `system` by instance name, `faces` by instance name too; raises CosimError for any mistake."""
+    nodes = {name: _node(name, instance, faces[name], seed) for name, instance in system.instances.items()}
+    for wire in system.wires:
+        for connection in _expand(wire, nodes):
+            _attach(nodes[wire.target], connection)
+    for node in nodes.values():
+        for name in node.values.keys() & node.incoming.keys():
+            raise CosimError(f"{node.name}.{name} cannot be set, as it is connected: {node.incoming[name].text}")
+    return nodes
+
+
+def derived_seed(seed: int, instance: str) -> int:
+    """The seed of one noisy instance: the same on every machine, different for every instance and run seed."""
+    digest = hashlib.sha256(f"{seed}:{instance}".encode()).digest()
+    return int.from_bytes(digest[:8], "big") % _MAX_SEED
+
+
+def _node(name: str, instance: Instance, face: Face, seed: int) -> Node:
+    values = {port: _checked(name, face, port, value) for port, value in instance.parameters.items()}
+    if SEED in face.ports and face.ports[SEED].type == "Integer":
+        values.setdefault(SEED, derived_seed(seed, name))
+    return Node(name, face, _period(name, instance, face, values), values)
+
+
+def _checked(name: str, face: Face, variable: str, value: Value) -> Value:
+    port = face.ports.get(variable)
+    settable = [p.name for p in face.ports.values() if p.causality in ("parameter", "input")]
+    if port is None:
+        raise unknown(f"variable of {name} ({face.model})", variable, settable)
+    if port.causality not in ("parameter", "input"):
+        raise CosimError(f"{name}.{variable} is an {port.causality} of {face.model} and cannot be set")
+    return coerce(name, port, value)
+
+
+def _period(name: str, instance: Instance, face: Face, values: dict[str, Value]) -> int:
+    """The communication period [ns]: the system's, else the sampling period, else the model's default step.
+
+    A model that keeps its own sampling grid is told a period the system overrides.
+    """
+    step = instance.period if instance.period is not None else values.get(SAMPLE_PERIOD, face.step)
+    if step is None:
+        raise CosimError(f"{name} ({face.model}) has no default step; give the instance a period")
+    if instance.period is not None and SAMPLE_PERIOD in face.ports:
+        values.setdefault(SAMPLE_PERIOD, _checked(name, face, SAMPLE_PERIOD, instance.period))
+    return nanoseconds(float(step), f"the period of {name} ({face.model})")
+
+
+def _expand(wire: Wire, nodes: Mapping[str, Node]) -> list[Connection]:
+    source, target = nodes[wire.source], nodes[wire.target]
+    found = []
+    for name, port in target.face.ports.items():
+        output = wire.counterpart(name) if port.causality == "input" else None
+        if output is not None and _is_output(source.face, output):
+            found.append(_connect(source, output, target, name))
+    _all_named_found(wire, source, target, {connection.input for connection in found})
+    return found
+
+
+def _is_output(face: Face, name: str) -> bool:
+    return name in face.ports and face.ports[name].causality == "output"
+
+
+def _connect(source: Node, output: str, target: Node, input_: str) -> Connection:
+    where = f"{source.name}.{output} -> {target.name}.{input_}"
+    for node, name in ((source, output), (target, input_)):
+        if node.face.ports[name].type != "Real":
+            raise CosimError(f"{where}: {node.name}.{name} is {node.face.ports[name].type}; only Real ports connect")
+    convert = conversion(source.face.unit(output), target.face.unit(input_), where)
+    return Connection(source.name, output, target.name, input_, convert)
+
+
+def _all_named_found(wire: Wire, source: Node, target: Node, found: set[str]) -> None:
+    """Every port a wire names in full must exist on both sides, and a wire must connect something."""
+    for input_, output in wire.names.items():
+        if input_ in found or input_ == "" or input_.endswith("."):
+            continue
+        if input_ not in target.face.inputs:
+            raise unknown(f"input of {target.name} ({target.face.model})", input_, target.face.inputs)
+        raise unknown(f"output of {source.name} ({source.face.model})", output, source.face.outputs)
+    if not found:
+        raise CosimError(f"nothing connects {wire.source} to {wire.target}: no input of one is an output of the other")
+
+
+def _attach(node: Node, connection: Connection) -> None:
+    other = node.incoming.get(connection.input)
+    if other is not None:
+        raise CosimError(f"{node.name}.{connection.input} is fed twice: {other.text} and {connection.text}")
+    node.incoming[connection.input] = connection

@@ -1,0 +1,108 @@
+"""The `cosim` command."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from cosim.errors import CosimError
+
+if TYPE_CHECKING:
+    from cosim.scenario import Scenario
+
+app = typer.Typer(
+    help="Run systems of FMI 2.0 co-simulation FMUs.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+_FAILED, _INTERRUPTED = 1, 130
+
+
+def main() -> None:
+    """Entry point: user mistakes become one sentence on stderr and exit code 1."""
+    try:
+        app()
+    except CosimError as error:
+        print(f"cosim: {error}", file=sys.stderr)
+        raise SystemExit(_FAILED) from None
+
+
+@app.command("list")
+def list_(as_json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False) -> None:
+    """Show the scenarios with what each reproduces."""
+    from cosim import scenarios  # noqa: PLC0415  (lazy: `--help` answers at once)
+
+    found = [scenarios.load(name) for name in scenarios.names()]
+    if as_json:
+        print(json.dumps([_listed(scenario) for scenario in found], indent=2))
+        return
+    from cosim.display import scenario_table, stdout  # noqa: PLC0415
+
+    stdout().print(scenario_table(found))
+
+
+@app.command()
+def run(
+    name: Annotated[str, typer.Argument(help="Name of a scenario, see `cosim list`.")],
+    *,
+    assignments: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="instance.variable=value", help="Set a parameter, or scenario.SETTING."),
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Seed of all noise; equal seeds give bit-identical runs.")] = 0,
+    stop_time: Annotated[float | None, typer.Option("--stop-time", metavar="S", help="End of the run [s].")] = None,
+    folder: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Results folder; runs/NAME if left out.")
+    ] = None,
+    explain: Annotated[bool, typer.Option("--explain", help="Print order, periods, edges and conversions.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON and nothing else.")] = False,
+    no_report: Annotated[bool, typer.Option("--no-report", help="Draw no overview.png.")] = False,
+) -> None:
+    """Run a scenario and write its results."""
+    from cosim import display, scenarios  # noqa: PLC0415
+    from cosim.run import Request  # noqa: PLC0415
+    from cosim.run import run as run_scenario  # noqa: PLC0415
+    from cosim.summary import to_json  # noqa: PLC0415
+    from cosim.system import parse_assignments  # noqa: PLC0415
+
+    scenario = scenarios.load(name)
+    target = folder if folder is not None else Path("runs") / name
+    request = Request(scenario, target, parse_assignments(assignments or []), seed, stop_time)
+    stop = stop_time if stop_time is not None else scenario.stop_time
+    explainer = display.explainer(to_stderr=as_json or quiet) if explain else display.silent
+    with display.progress(stop, shown=not (quiet or as_json)) as progress:
+        summary, results = run_scenario(request, explainer, progress)
+    if not no_report and scenario.draw is not None and len(results.time) > 1:
+        scenario.draw(results, target / "overview.png", scenario.title)
+    if as_json:
+        print(to_json(summary))
+    elif not quiet:
+        display.show(summary, target)
+    _leave(summary)
+
+
+def _leave(summary: dict[str, Any]) -> None:
+    if summary["status"] == "ok":
+        return
+    print(f"cosim: {summary['reason']}; the results so far are kept", file=sys.stderr)
+    raise typer.Exit(_INTERRUPTED if summary["status"] == "interrupted" else _FAILED)
+
+
+def _listed(scenario: Scenario) -> dict[str, Any]:
+    return {
+        "name": scenario.name,
+        "title": scenario.title,
+        "figures": scenario.figures,
+        "stop_time": scenario.stop_time,
+        "settings": {
+            name: {"default": setting.default, "choices": setting.choices, "description": setting.description}
+            for name, setting in scenario.settings.items()
+        },
+    }

@@ -1,0 +1,102 @@
+"""What the command line shows: progress, tables. Everything that is not a result goes to stderr."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from cosim.clock import to_seconds
+from cosim.run import Plan
+from cosim.scenario import Scenario
+
+_REFRESH = 0.1  # [s] of wall time between two updates of the progress bar
+
+
+def stdout() -> Console:
+    return Console(highlight=False)
+
+
+def silent(_plan: Plan) -> None:
+    """The explainer that says nothing."""
+
+
+def explainer(*, to_stderr: bool) -> Callable[[Plan], None]:
+    """Prints the explanation of a plan."""
+    from cosim.explain import explanation  # noqa: PLC0415  (only with --explain)
+
+    def explain(plan: Plan) -> None:
+        console = Console(stderr=to_stderr, highlight=False)
+        for table in explanation(plan):
+            console.print(table)
+
+    return explain
+
+
+@contextmanager
+def progress(stop: float, *, shown: bool) -> Iterator[Callable[[int], None]]:
+    """A progress callback for the master: simulated time and real-time factor, refreshed ten times a second."""
+    console = Console(stderr=True)
+    if not (shown and console.is_terminal):
+        yield lambda _time: None
+        return
+    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[factor]}"), TimeElapsedColumn())
+    with Progress(*columns, console=console, transient=True, auto_refresh=False) as bar:
+        task = bar.add_task("preparing", total=stop, factor="")
+        started = shown_at = 0.0
+
+        def update(time: int) -> None:
+            nonlocal started, shown_at
+            now = perf_counter()
+            started = started or now
+            if now - shown_at > _REFRESH:
+                shown_at, seconds = now, to_seconds(time)
+                factor = seconds / (now - started) if now > started else 0.0
+                text = f"{seconds:.2f} of {stop:g} s"
+                bar.update(task, completed=seconds, description=text, factor=f"{factor:.1f} x real time", refresh=True)
+
+        bar.refresh()
+        yield update
+
+
+def scenario_table(scenarios: Sequence[Scenario]) -> Table:
+    table = Table(header_style="bold")
+    for column in ("scenario", "what it is", "reproduces", "settings"):
+        table.add_column(column)
+    for scenario in scenarios:
+        settings = "\n".join(f"{name}={'|'.join(s.choices)}" for name, s in scenario.settings.items())
+        table.add_row(scenario.name, scenario.title, scenario.figures, settings)
+    return table
+
+
+def show(summary: Mapping[str, Any], folder: Path) -> None:
+    """The metrics, what the run cost, and where the results are."""
+    console = stdout()
+    table = Table(title=f"{summary['scenario']}, seed {summary['seed']}: {summary['status']}", header_style="bold")
+    table.add_column("metric")
+    table.add_column("value", justify="right")
+    table.add_column("unit")
+    for name, value in summary["metrics"].items():
+        table.add_row(name, *_readable(name, value))
+    console.print(table)
+    speed = (
+        f"{summary['wall_time']:.2f} s for {summary['stop_time']:g} s, {summary['real_time_factor']:.1f} x real time"
+    )
+    console.print(f"ran in {speed}; results in {folder}", soft_wrap=True)
+
+
+def _readable(name: str, value: float | None) -> tuple[str, str]:
+    """Angles in degrees for the reader; the files keep SI."""
+    if value is None:
+        return "-", ""
+    if name.startswith(("course_", "roll_", "pitch_", "sideslip_", "yaw_")):
+        return f"{math.degrees(value):.3f}", "deg"
+    units = {"lateral": "m", "longitudinal": "m", "position": "m", "speed": "m/s", "saturation": "s"}
+    return f"{value:.4f}", units.get(name.partition("_")[0], "")

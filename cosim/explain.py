@@ -1,0 +1,85 @@
+"""What `--explain` prints: who runs when and in which order, what feeds what, which edges are delays."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+
+from rich.table import Table
+
+from cosim.assembly import Connection, Node
+from cosim.clock import to_seconds
+from cosim.run import Plan
+from cosim.schedule import Schedule
+
+
+def explanation(plan: Plan) -> list[Table]:
+    """The tables: order of execution, edges, unit conversions (if any) and unconnected inputs (if any)."""
+    tables = [_order(plan), _edges(plan.nodes, plan.schedule), _conversions(plan.nodes), _unconnected(plan.nodes)]
+    return [table for table in tables if table.row_count]
+
+
+def _order(plan: Plan) -> Table:
+    tick = to_seconds(plan.schedule.tick)
+    table = _table(f"{plan.scenario.name}: order at each tick (base tick {_ms(tick)})")
+    for column in ("step", "instance", "model", "kind", "period"):
+        table.add_column(column)
+    for step, name in enumerate(plan.schedule.sampled + plan.schedule.continuous, start=1):
+        node = plan.nodes[name]
+        place = str(step) if node.face.kind == "sampled" else "then, together"
+        table.add_row(place, name, node.face.model, node.face.kind, _ms(to_seconds(node.period)))
+    return table
+
+
+def _edges(nodes: Mapping[str, Node], schedule: Schedule) -> Table:
+    table = _table("edges")
+    for column in ("from", "to", "signals", "value read"):
+        table.add_column(column)
+    counts = Counter((c.source, c.target) for c in _connections(nodes))
+    for (source, target), count in counts.items():
+        table.add_row(source, target, str(count), _reading(source, target, schedule))
+    return table
+
+
+def _reading(source: str, target: str, schedule: Schedule) -> str:
+    if (source, target) in schedule.broken:
+        return "delay: a cycle is broken here, the value of the previous period is read"
+    if source in schedule.continuous:
+        return "delay: the value at the communication point, held over the step"
+    return "newest"
+
+
+def _conversions(nodes: Mapping[str, Node]) -> Table:
+    table = _table("unit conversions")
+    for column in ("connection", "from", "to", "factor", "offset"):
+        table.add_column(column)
+    for c in _connections(nodes):
+        if not c.conversion.trivial:
+            units = (nodes[c.source].face.ports[c.output].unit, nodes[c.target].face.ports[c.input].unit)
+            table.add_row(
+                c.text, *(unit or "" for unit in units), f"{c.conversion.factor:g}", f"{c.conversion.offset:g}"
+            )
+    return table
+
+
+def _unconnected(nodes: Mapping[str, Node]) -> Table:
+    table = _table("inputs that hold their start value")
+    table.add_column("instance")
+    table.add_column("inputs")
+    for node in nodes.values():
+        free = [name for name in node.face.inputs if name not in node.incoming]
+        if free:
+            table.add_row(node.name, ", ".join(free))
+    return table
+
+
+def _connections(nodes: Mapping[str, Node]) -> list[Connection]:
+    return [connection for node in nodes.values() for connection in node.incoming.values()]
+
+
+def _table(title: str) -> Table:
+    return Table(title=title, title_justify="left", header_style="bold")
+
+
+def _ms(seconds: float) -> str:
+    return f"{seconds * 1e3:g} ms"

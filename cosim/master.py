@@ -1,0 +1,249 @@
+"""The multirate master: integer time, one signal vector, and at each tick a flat list of bound calls.
+
+At a tick t: continuous slaves whose step ends at t publish their outputs; due sampled slaves run in dataflow order,
+each reading the newest signals; the recorder takes a row; due continuous slaves take their inputs and step together.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from ctypes import c_double
+from dataclasses import dataclass
+from functools import partial
+from itertools import islice
+from time import perf_counter_ns
+from typing import Literal
+
+import numpy as np
+
+from cosim.assembly import Node
+from cosim.clock import SECOND, to_seconds
+from cosim.schedule import Schedule, active_ticks
+from cosim.slave import WARNING, Call, Calls, Memory, Slave, SlaveError, Vector
+
+Action = Callable[[], object]
+_BLOCK = 64  # ticks between two looks at the interrupt flag and the progress display
+
+
+@dataclass(frozen=True, slots=True)
+class Signal:
+    """One element of the signal vector: an output of an instance."""
+
+    instance: str
+    variable: str
+    unit: str | None
+
+    @property
+    def name(self) -> str:
+        return f"{self.instance}.{self.variable}"
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """How a run ended: at simulated `time` [ns], after `wall` [ns]; calls and time [ns] per instance."""
+
+    status: Literal["ok", "failed", "interrupted"]
+    reason: str
+    time: int
+    wall: int
+    calls: Mapping[str, int]
+    times: Mapping[str, int]
+
+
+class _Bound:
+    """One slave bound to its memory."""
+
+    def __init__(self, node: Node, slave: Slave, calls: Calls, gather: Action, step: c_double) -> None:
+        self.node, self.slave, self.calls, self.gather, self.step = node, slave, calls, gather, step
+        self.count = self.time = 0
+
+    def check(self, status: int) -> None:
+        if status > WARNING:
+            raise SlaveError(self.node.name, status, self.slave.message())
+
+    def exchange(self) -> None:
+        """Gather, set, step, get; the three calls are timed."""
+        self.gather()
+        set_, step, get = self.calls
+        start = perf_counter_ns()
+        status = set_()
+        if status <= WARNING:
+            status = step()
+            if status <= WARNING:
+                status = get()
+        self.time += perf_counter_ns() - start
+        self.count += 1
+        if status > WARNING:
+            self.check(status)
+
+    def feed(self) -> None:
+        self.gather()
+        self._timed(self.calls.set)
+
+    def advance(self) -> None:
+        self._timed(self.calls.step)
+        self.count += 1
+
+    def publish(self) -> None:
+        self._timed(self.calls.get)
+
+    def _timed(self, call: Call) -> None:
+        start = perf_counter_ns()
+        status = call()
+        self.time += perf_counter_ns() - start
+        if status > WARNING:
+            self.check(status)
+
+
+class Master:
+    """Runs the nodes on `slaves` (same names). `signals` describes `vector[1:]`; `vector[0]` is the time [s]."""
+
+    def __init__(self, nodes: Mapping[str, Node], schedule: Schedule, slaves: Mapping[str, Slave]) -> None:
+        self.schedule = schedule
+        self.signals = [_signal(node, name) for node in nodes.values() for name in node.face.outputs]
+        self.vector: Vector = np.zeros(1 + len(self.signals))
+        self._time = c_double.from_buffer(self.vector.data)
+        self._index = {signal.name: i for i, signal in enumerate(self.signals, start=1)}
+        self._nodes, self._slaves = nodes, slaves
+        self._bound: dict[str, _Bound] = {}
+
+    def initialise(self) -> None:
+        """Set parameters, enter initialisation, pass outputs to inputs along the dataflow, leave; or SlaveError."""
+        for name in self.schedule.initial:
+            self._slaves[name].set(self._nodes[name].values)
+        for name in self.schedule.initial:
+            self._slaves[name].enter()
+            self._bound[name] = self._bind(self._nodes[name], self._slaves[name])
+        for _ in range(2):
+            self._propagate(leave=False)
+        self._propagate(leave=True)
+
+    def run(
+        self,
+        stop: int,
+        record: Action,
+        progress: Callable[[int], None] = lambda _time: None,
+        interrupted: Callable[[], bool] = lambda: False,
+    ) -> Outcome:
+        """Advance from 0 to `stop` [ns]; `record` is called per active tick and once at the end."""
+        start = perf_counter_ns()
+        status, reason, time = "ok", "", 0
+        ticks = self._ticks(stop, record)
+        try:
+            time = self._loop(ticks, progress, interrupted, stop)
+            if time < stop:
+                status, reason = "interrupted", f"interrupted at {to_seconds(time):g} s"
+            else:
+                self._finish(stop, record)
+        except SlaveError as failure:
+            time = round(self._time.value * SECOND)
+            status, reason = "failed", failure.sentence(f"at {to_seconds(time):g} s")
+        wall = perf_counter_ns() - start
+        calls = {name: bound.count for name, bound in self._bound.items()}
+        times = {name: bound.time for name, bound in self._bound.items()}
+        return Outcome(status, reason, time, wall, calls, times)  # type: ignore[arg-type]
+
+    def _loop(
+        self,
+        ticks: Iterator[tuple[int, list[Action]]],
+        progress: Callable[[int], None],
+        interrupted: Callable[[], bool],
+        stop: int,
+    ) -> int:
+        clock, time = self._time, 0
+        while not interrupted():
+            block = list(islice(ticks, _BLOCK))
+            for time, actions in block:
+                clock.value = time / SECOND
+                for action in actions:
+                    action()
+            progress(time)
+            if len(block) < _BLOCK:
+                return stop
+        return time
+
+    def _ticks(self, stop: int, record: Action) -> Iterator[tuple[int, list[Action]]]:
+        """(time, what to do) in time order; the last steps of the continuous slaves are cut to end at `stop`."""
+        cycle = self._plan(min(self.schedule.cycle, stop), record)
+        tail = stop - max((self._nodes[name].period for name in self.schedule.continuous), default=0)
+        for start in range(0, stop, self.schedule.cycle):
+            for offset, actions in cycle:
+                time = start + offset
+                if time > tail:
+                    if time >= stop:
+                        return
+                    self._cut(time, stop)
+                yield time, actions
+
+    def _cut(self, time: int, stop: int) -> None:
+        for name in self.schedule.continuous:
+            period = self._nodes[name].period
+            if time % period == 0:
+                self._bound[name].step.value = to_seconds(min(period, stop - time))
+
+    def _plan(self, end: int, record: Action) -> list[tuple[int, list[Action]]]:
+        """One whole cycle, with one shared list of actions per set of due instances."""
+        periods = {name: self._nodes[name].period for name in self.schedule.initial}
+        actions: dict[tuple[str, ...], list[Action]] = {}
+        plan = []
+        for time, due in active_ticks(periods, end):
+            if due not in actions:
+                actions[due] = self._actions(set(due), record)
+            plan.append((time, actions[due]))
+        return plan
+
+    def _actions(self, due: set[str], record: Action) -> list[Action]:
+        plants = [self._bound[name] for name in self.schedule.continuous if name in due]
+        sampled = [self._bound[name].exchange for name in self.schedule.sampled if name in due]
+        return [
+            *(plant.publish for plant in plants),
+            *sampled,
+            record,
+            *(plant.feed for plant in plants),
+            *(plant.advance for plant in plants),
+        ]
+
+    def _finish(self, stop: int, record: Action) -> None:
+        self._time.value = to_seconds(stop)
+        for name in self.schedule.continuous:
+            self._bound[name].publish()
+        record()
+
+    def _propagate(self, *, leave: bool) -> None:
+        for name in self.schedule.initial:
+            bound = self._bound[name]
+            bound.gather()
+            bound.check(bound.calls.set())
+            if leave:
+                self._slaves[name].leave()
+            bound.check(bound.calls.get())
+
+    def _bind(self, node: Node, slave: Slave) -> _Bound:
+        outputs = node.face.outputs
+        first = self._index[f"{node.name}.{outputs[0]}"] if outputs else 0
+        u, step = np.zeros(len(node.incoming)), c_double(to_seconds(node.period))
+        y = self.vector[first : first + len(outputs)]
+        calls = slave.bind(Memory(self._time, step, tuple(node.incoming), u, outputs, y))
+        return _Bound(node, slave, calls, self._gather(node, u), step)
+
+    def _gather(self, node: Node, u: Vector) -> Action:
+        """One indexed copy of the connected inputs, converted where units differ."""
+        if not node.incoming:
+            return int
+        connections = node.incoming.values()
+        index = np.array([self._index[f"{c.source}.{c.output}"] for c in connections])
+        take = partial(self.vector.take, index, None, u, "clip")  # "clip" writes straight into u, "raise" copies twice
+        if all(c.conversion.trivial for c in connections):
+            return take
+        factor, offset = (np.array([getattr(c.conversion, key) for c in connections]) for key in ("factor", "offset"))
+
+        def converted() -> None:
+            take()
+            np.multiply(u, factor, out=u)
+            np.add(u, offset, out=u)
+
+        return converted
+
+
+def _signal(node: Node, name: str) -> Signal:
+    return Signal(node.name, name, node.face.ports[name].unit)

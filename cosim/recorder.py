@@ -1,0 +1,105 @@
+"""Rows of the signal vector: an Arrow stream while running, so that a killed run keeps them; Parquet when done."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from time import monotonic
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+
+from cosim.master import Signal
+from cosim.slave import Vector
+
+STREAM = "results.arrows"
+PARQUET = "results.parquet"
+_ROWS = 256
+_PATIENCE = 2.0  # [s] of wall time
+_ARRAY = re.compile(r"\[\d+]")
+
+
+def recorded(signals: Iterable[Signal]) -> list[int]:
+    """Which signals (by position) are recorded by default: all but the elements of array signals like preview[3].x."""
+    return [i for i, signal in enumerate(signals) if not _ARRAY.search(signal.variable)]
+
+
+class Recorder:
+    """Call it once per row. `vector` is [time, signals...]; `chosen` are positions in `signals`.
+
+    Rows are gathered in a chunk and appended to the stream whenever it is full.
+    """
+
+    def __init__(self, folder: Path, vector: Vector, signals: Sequence[Signal], chosen: Sequence[int]) -> None:
+        self._folder = folder
+        self._index = np.array([0, *(1 + i for i in chosen)])
+        self._schema = _schema([signals[i] for i in chosen])
+        self._chunk = np.zeros((_ROWS, len(self._index)))
+        self._rows = list(self._chunk)
+        self._take = vector.take
+        self._filled = 0
+        self._flushed = monotonic()
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / PARQUET).unlink(missing_ok=True)
+        self._sink = (folder / STREAM).open("wb")
+        self._writer = pa.ipc.new_stream(self._sink, self._schema)
+
+    def __call__(self) -> None:
+        self._take(self._index, None, self._rows[self._filled], "clip")
+        self._filled += 1
+        if self._filled == _ROWS:
+            self.flush()
+
+    def flush(self) -> None:
+        """Append the rows gathered so far to the stream and hand them to the operating system."""
+        columns = np.ascontiguousarray(self._chunk[: self._filled].T)
+        arrays = [pa.array(column) for column in columns]
+        self._writer.write_batch(pa.record_batch(arrays, schema=self._schema))
+        self._sink.flush()
+        self._filled = 0
+        self._flushed = monotonic()
+
+    def keep(self) -> None:
+        """Flush what has waited for a while: called now and then, so that a slow run loses little when killed."""
+        if self._filled and monotonic() - self._flushed > _PATIENCE:
+            self.flush()
+
+    def close(self) -> Path:
+        """Write results.parquet, remove the stream, and give the path of the results."""
+        if self._filled:
+            self.flush()
+        self._writer.close()
+        self._sink.close()
+        stream, parquet = self._folder / STREAM, self._folder / PARQUET
+        write_parquet(read_stream(stream), parquet)
+        stream.unlink()
+        return parquet
+
+
+def read_stream(path: Path) -> Any:
+    """The table of a stream file, up to its last complete chunk if the run was killed."""
+    batches = []
+    with path.open("rb") as source:
+        reader = pa.ipc.open_stream(source)
+        while True:
+            try:
+                batches.append(reader.read_next_batch())
+            except (StopIteration, pa.ArrowInvalid, OSError):
+                return pa.Table.from_batches(batches, reader.schema)
+
+
+def write_parquet(table: Any, path: Path) -> None:
+    from pyarrow import parquet  # noqa: PLC0415  (slow to import, and needed only when the run is over)
+
+    partial = path.with_suffix(".partial")
+    parquet.write_table(table, partial, compression="zstd", use_dictionary=False)
+    partial.replace(path)
+
+
+def _schema(signals: Sequence[Signal]) -> Any:
+    columns = [("time", "s"), *((signal.name, signal.unit) for signal in signals)]
+    return pa.schema(
+        [pa.field(name, pa.float64(), metadata={"unit": unit} if unit else None) for name, unit in columns]
+    )

@@ -1,0 +1,58 @@
+"""Reading the results of a run: columns as numpy arrays, units, and the rows at which an instance computed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cosim.clock import SECOND
+from cosim.errors import CosimError, unknown
+from cosim.recorder import PARQUET, STREAM, read_stream
+from cosim.slave import Vector
+
+
+class Results:
+    """`results["plant.yaw"]` is a column; `periods` [s] by instance name come from the run's summary."""
+
+    def __init__(self, table: Any, periods: Mapping[str, float]) -> None:
+        self._table = table
+        self.periods = dict(periods)
+        self.names = [name for name in table.column_names if name != "time"]
+        self.time = table.column("time").to_numpy()
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._table.column_names
+
+    def __getitem__(self, name: str) -> Vector:
+        if name not in self:
+            raise unknown("signal", name, self.names)
+        return np.asarray(self._table.column(name).to_numpy())
+
+    def unit(self, name: str) -> str:
+        """The unit of a column, or an empty string."""
+        metadata = self._table.schema.field(name).metadata or {}
+        return str(metadata.get(b"unit", b"").decode())
+
+    def instants(self, instance: str) -> np.ndarray:
+        """The rows at which `instance` computed.
+
+        The last row is left out: at the stop time the plants have arrived, but no sampled instance has run.
+        """
+        period = round(self.periods[instance] * SECOND)
+        nanoseconds = np.rint(self.time * SECOND).astype(np.int64)
+        rows = np.flatnonzero(nanoseconds % period == 0)
+        return rows[rows < len(self.time) - 1]
+
+
+def load_results(folder: Path, periods: Mapping[str, float]) -> Results:
+    """The results in a run's folder: the Parquet file, or what a killed run left in its stream."""
+    if (folder / PARQUET).is_file():
+        from pyarrow import parquet  # noqa: PLC0415  (slow to import)
+
+        return Results(parquet.read_table(folder / PARQUET), periods)
+    if (folder / STREAM).is_file():
+        return Results(read_stream(folder / STREAM), periods)
+    raise CosimError(f"{folder} holds no results")

@@ -1,0 +1,123 @@
+"""One run: check the system, load, initialise, advance, record, measure and write the results."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from cosim.assembly import Node, assemble
+from cosim.clock import nanoseconds
+from cosim.errors import CosimError
+from cosim.loader import Loader
+from cosim.master import Master, Outcome
+from cosim.recorder import Recorder, recorded
+from cosim.results import Results, load_results
+from cosim.scenario import Scenario, configured
+from cosim.schedule import Schedule, schedule
+from cosim.slave import Slave, SlaveError
+from cosim.summary import summarise, write_summary
+
+Progress = Callable[[int], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """What is going to run: shown by --explain. `stop` [ns]."""
+
+    scenario: Scenario
+    nodes: dict[str, Node]
+    schedule: Schedule
+    stop: int
+    seed: int
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """What the user asked for: `assignments` are (instance.variable or scenario.setting, text)."""
+
+    scenario: Scenario
+    folder: Path
+    assignments: Sequence[tuple[str, str]] = ()
+    seed: int = 0
+    stop_time: float | None = None
+
+
+def run(
+    request: Request,
+    explain: Callable[[Plan], None] = lambda _plan: None,
+    progress: Progress = lambda _time: None,
+) -> tuple[dict[str, Any], Results]:
+    """Run the scenario into its folder; gives the summary and the results. User mistakes raise CosimError.
+
+    A slave that fails or an interrupt end the run with that status; what was recorded until then is kept.
+    """
+    scenario = request.scenario
+    seconds = scenario.stop_time if request.stop_time is None else request.stop_time
+    stop = nanoseconds(seconds, "the stop time")
+    system = configured(scenario, request.assignments)
+    with Loader(scenario.find) as loader:
+        nodes = assemble(system, loader.faces(system), request.seed)
+        plan = Plan(scenario, nodes, schedule(nodes), stop, request.seed)
+        explain(plan)
+        outcome = execute(plan, loader.slaves(system, nodes), request.folder, progress)
+    return _conclude(plan, outcome, request.folder)
+
+
+def execute(plan: Plan, slaves: dict[str, Slave], folder: Path, progress: Progress = lambda _time: None) -> Outcome:
+    """Initialise and run the slaves, recording into `folder`."""
+    master = Master(plan.nodes, plan.schedule, slaves)
+    try:
+        recorder = Recorder(folder, master.vector, master.signals, recorded(master.signals))
+    except OSError as error:
+        raise CosimError(f"cannot write into {folder}: {error.strerror}") from None
+    try:
+        with _interrupts() as interrupted:
+            master.initialise()
+            return master.run(plan.stop, recorder, partial(_kept, recorder, progress), interrupted)
+    except SlaveError as failure:
+        return Outcome("failed", failure.sentence("at initialisation"), 0, 0, {}, {})
+    finally:
+        recorder.close()
+
+
+def _kept(recorder: Recorder, progress: Progress, time: int) -> None:
+    recorder.keep()
+    progress(time)
+
+
+def _conclude(plan: Plan, outcome: Outcome, folder: Path) -> tuple[dict[str, Any], Results]:
+    results = load_results(folder, {name: node.period / 1e9 for name, node in plan.nodes.items()})
+    metrics = plan.scenario.metrics(results) if len(results.time) > 1 else {}
+    summary = summarise(plan.scenario.name, plan.seed, outcome, plan.nodes, metrics)
+    write_summary(summary, folder)
+    return summary, results
+
+
+@contextmanager
+def _interrupts() -> Iterator[Callable[[], bool]]:
+    """A flag that Ctrl-C and SIGTERM raise; a second Ctrl-C acts at once.
+
+    An exception would surface inside whichever FMU happens to run Python code, and be taken for its fault.
+    """
+    asked = threading.Event()
+    if threading.current_thread() is not threading.main_thread():
+        yield asked.is_set
+        return
+
+    def ask(number: int, _frame: object) -> None:
+        asked.set()
+        signal.signal(number, previous[number])
+
+    kinds = (signal.SIGINT, signal.SIGTERM)
+    previous: dict[int, Any] = {kind: signal.signal(kind, ask) for kind in kinds}
+    try:
+        yield asked.is_set
+    finally:
+        for kind in kinds:
+            signal.signal(kind, previous[kind])

@@ -1,0 +1,87 @@
+"""In which order instances run, and when.
+
+Sampled instances run in dataflow order, each reading the newest signals. Edges out of continuous instances are delays:
+the value read is that of the communication point. Cycles among sampled instances are broken at their slowest edge.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from cosim.assembly import Node
+from cosim.clock import base_tick, hyperperiod
+
+Edge = tuple[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class Schedule:
+    """`sampled` in the order they run at a tick; `continuous` step together after them. Times in ns."""
+
+    sampled: tuple[str, ...]
+    continuous: tuple[str, ...]
+    broken: tuple[Edge, ...]
+    tick: int
+    cycle: int
+
+    @property
+    def initial(self) -> tuple[str, ...]:
+        """The order of initialisation: plants first, then along the dataflow."""
+        return self.continuous + self.sampled
+
+
+def schedule(nodes: Mapping[str, Node]) -> Schedule:
+    """The schedule of the nodes, which stay in their given order where the dataflow leaves a choice."""
+    sampled = [name for name, node in nodes.items() if node.face.kind == "sampled"]
+    continuous = tuple(name for name in nodes if name not in sampled)
+    edges = {
+        (connection.source, name)
+        for name in sampled
+        for connection in nodes[name].incoming.values()
+        if connection.source in sampled and connection.source != name
+    }
+    periods = {name: node.period for name, node in nodes.items()}
+    order, broken = _order(sampled, edges, periods)
+    return Schedule(tuple(order), continuous, tuple(broken), base_tick(periods.values()), hyperperiod(periods.values()))
+
+
+def active_ticks(periods: Mapping[str, int], end: int) -> Iterator[tuple[int, tuple[str, ...]]]:
+    """(time, names due) for every tick in [0, end) [ns] at which anything is due, in order."""
+    for time in sorted({time for period in periods.values() for time in range(0, end, period)}):
+        yield time, tuple(name for name, period in periods.items() if time % period == 0)
+
+
+def _order(names: list[str], edges: set[Edge], periods: Mapping[str, int]) -> tuple[list[str], list[Edge]]:
+    edges, broken, order = set(edges), [], []
+    waiting = list(names)
+    while waiting:
+        ready = next((name for name in waiting if not _sources(name, waiting, edges)), None)
+        if ready is None:
+            slowest = _slowest_edge(_cycle(waiting, edges), periods)
+            edges.remove(slowest)
+            broken.append(slowest)
+            continue
+        order.append(ready)
+        waiting.remove(ready)
+    return order, broken
+
+
+def _sources(name: str, among: list[str], edges: set[Edge]) -> list[str]:
+    return [source for source in among if (source, name) in edges]
+
+
+def _cycle(waiting: list[str], edges: set[Edge]) -> list[Edge]:
+    """One cycle among `waiting`, in which every instance has a source: walk back until an instance repeats."""
+    path = [waiting[0]]
+    while True:
+        source = _sources(path[-1], waiting, edges)[0]
+        if source in path:
+            loop = path[path.index(source) :]
+            return list(zip([*loop[1:], source], loop, strict=True))
+        path.append(source)
+
+
+def _slowest_edge(cycle: list[Edge], periods: Mapping[str, int]) -> Edge:
+    """The edge whose values are oldest anyway: out of the instance with the longest period."""
+    return max(cycle, key=lambda edge: (periods[edge[0]], periods[edge[1]], edge))

@@ -1,0 +1,88 @@
+"""A system as data: named instances of models, and the rules that wire them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+
+from cosim.errors import CosimError, unknown
+from cosim.face import Value
+
+
+@dataclass
+class Instance:
+    """`model` is a catalogue name or a path to an .fmu; values still in text form are converted by the port's type."""
+
+    model: str
+    parameters: dict[str, Value] = field(default_factory=dict)
+    period: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Wire:
+    """Connect every input of `target` whose counterpart `source` has: see `System.connect`."""
+
+    source: str
+    target: str
+    names: Mapping[str, str]
+
+    def counterpart(self, input_: str) -> str | None:
+        """The name of the output that feeds `input_`, by the exact name or the longest prefix that matches."""
+        if input_ in self.names:
+            return self.names[input_]
+        prefixes = [prefix for prefix in self.names if input_.startswith(prefix) and prefix.endswith((".", "]"))]
+        if prefixes:
+            prefix = max(prefixes, key=len)
+            return self.names[prefix] + input_[len(prefix) :]
+        return self.names[""] + input_ if "" in self.names else None
+
+
+@dataclass
+class System:
+    """Instances by name, in the order in which they are listed and recorded, and the wires between them."""
+
+    instances: dict[str, Instance] = field(default_factory=dict)
+    wires: list[Wire] = field(default_factory=list)
+
+    def add(
+        self, name: str, model: str, parameters: Mapping[str, Value] | None = None, period: float | None = None
+    ) -> None:
+        """Add an instance; `period` [s] overrides the model's default step."""
+        if name in self.instances:
+            raise CosimError(f"the system has two instances named {name}")
+        self.instances[name] = Instance(model, dict(parameters or {}), period)
+
+    def connect(self, source: str, target: str, names: Mapping[str, str] | None = None) -> None:
+        """Wire `source` to `target`, same name to same name, or as `names` maps inputs to outputs.
+
+        A key of `names` is the full name of an input, or a prefix ending in a dot ("" is every input); the value takes
+        its place: {"estimate.": ""} feeds estimate.yaw from yaw, {"estimate.yaw_rate": "angular_rate.z"} one port.
+        """
+        for name in (source, target):
+            if name not in self.instances:
+                raise unknown("instance", name, self.instances)
+        self.wires.append(Wire(source, target, dict(names if names is not None else {"": ""})))
+
+    def set(self, assignment: str, value: Value) -> None:
+        """Set `instance.variable` (instance names may contain dots) to a value, possibly still in text form."""
+        instance, variable = self.split(assignment)
+        self.instances[instance].parameters[variable] = value
+
+    def split(self, signal: str) -> tuple[str, str]:
+        """(instance, variable) of `instance.variable`, with the longest instance name that fits."""
+        fitting = [name for name in self.instances if signal.startswith(name + ".")]
+        if not fitting:
+            raise unknown("instance", signal.partition(".")[0], self.instances)
+        instance = max(fitting, key=len)
+        return instance, signal[len(instance) + 1 :]
+
+
+def parse_assignments(texts: Iterable[str]) -> list[tuple[str, str]]:
+    """[("llc.suspension.enabled", "false")] from ["llc.suspension.enabled=false"]."""
+    pairs = []
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not equals or "." not in name.strip():
+            raise CosimError(f"cannot read {text!r}; write --set instance.variable=value")
+        pairs.append((name.strip(), value.strip()))
+    return pairs

@@ -1,0 +1,47 @@
+"""Units as FMI 2.0 defines them: SI value = factor * value + offset, with integer exponents of the base units."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from cosim.errors import CosimError
+
+BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """One entry of UnitDefinitions; `exponents` in the order of BASE, None when the FMU gives no base unit."""
+
+    name: str
+    exponents: tuple[int, ...] | None = None
+    factor: float = 1.0
+    offset: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Conversion:
+    """target value = factor * source value + offset."""
+
+    factor: float = 1.0
+    offset: float = 0.0
+
+    @property
+    def trivial(self) -> bool:
+        return self.factor == 1.0 and self.offset == 0.0
+
+
+def conversion(source: Unit | None, target: Unit | None, where: str) -> Conversion:
+    """How to convert `source` into `target`; without a unit on either side the value passes unchanged.
+
+    Raises CosimError naming `where` (the connection) when the units do not measure the same quantity.
+    """
+    if source is None or target is None or (source == target):
+        return Conversion()
+    if source.exponents is None or target.exponents is None:
+        if source.name == target.name:
+            return Conversion()
+        raise CosimError(f"{where}: cannot relate the units {source.name} and {target.name}, as one has no base unit")
+    if source.exponents != target.exponents:
+        raise CosimError(f"{where}: the units {source.name} and {target.name} do not measure the same quantity")
+    return Conversion(source.factor / target.factor, (source.offset - target.offset) / target.factor)
