@@ -13,8 +13,19 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from fmukit.component import Component as Component
+from fmukit.component import Component
 from fmukit.interface import Causality, Interface
+
+__all__ = [
+    "Component",
+    "Kernel",
+    "Layout",
+    "Signals",
+    "continuous_kernel",
+    "sampled_kernel",
+    "stack",
+    "symbols",
+]
 
 
 @dataclass(frozen=True, slots=True)

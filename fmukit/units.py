@@ -1,6 +1,6 @@
 """Units of measurement written as "kg.m2", "N.m.s/rad", "m/s2", "1/(m.s)", "deg": what they are in SI base units.
 
-    expression = product ["/" factor | "/" "(" product ")"];  product = factor {"." factor};  factor = symbol [exponent]
+expression = product ["/" factor | "/" "(" product ")"];  product = factor {"." factor};  factor = symbol [exponent]
 """
 
 from __future__ import annotations
@@ -85,7 +85,9 @@ def _expression(text: str, units: dict[str, Unit]) -> Unit:
     bracketed = denominator.startswith("(") and denominator.endswith(")")
     if not bracketed and not _FACTOR.fullmatch(denominator):
         raise ValueError(f"unit {text!r}: put the denominator in brackets, as in kg/(m.s)")
-    return _product(text, numerator, units) * _product(text, denominator[1:-1] if bracketed else denominator, units) ** -1
+    return (
+        _product(text, numerator, units) * _product(text, denominator[1:-1] if bracketed else denominator, units) ** -1
+    )
 
 
 def _product(text: str, product: str, units: dict[str, Unit]) -> Unit:

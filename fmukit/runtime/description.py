@@ -57,7 +57,7 @@ class Description:
     @staticmethod
     def read(path: Path) -> Description:
         raw = json.loads(path.read_text("utf-8"))
-        ports = tuple(_port(*entry) for entry in raw["variables"])
+        ports = tuple(_port(entry) for entry in raw["variables"])
         slots = {port.name: slot for slot, port in enumerate(ports)}
         table = raw["table"]
         return Description(
@@ -74,5 +74,7 @@ class Description:
         )
 
 
-def _port(name: str, type_: str, causality: str, start: Any, low: Any, high: Any, unit: str) -> Port:
-    return Port(name, type_, causality, start, -LARGEST if low is None else low, LARGEST if high is None else high, unit)
+def _port(entry: list[Any]) -> Port:
+    name, type_, causality, start, low, high, unit = entry
+    low, high = -LARGEST if low is None else low, LARGEST if high is None else high
+    return Port(name, type_, causality, start, low, high, unit)

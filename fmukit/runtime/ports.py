@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Sequence
+from math import isfinite
 from operator import itemgetter, le
 
 from .description import Description, Port
 
 
-class Refusal(Exception):
+class RefusalError(Exception):
     """A call cannot be served; the message is a sentence naming the variable, the value and the remedy."""
 
 
@@ -45,29 +46,29 @@ class Plan:
 
 
 def plan(description: Description, vrs: Sequence[int], type_: str) -> Plan:
-    """The plan of `vrs`; raises Refusal when one does not exist or has another type."""
+    """The plan of `vrs`; raises RefusalError when one does not exist or has another type."""
     for vr in vrs:
         if not 0 <= vr < len(description.ports):
-            raise Refusal(f"there is no variable with value reference {vr}; see modelDescription.xml")
+            raise RefusalError(f"there is no variable with value reference {vr}; see modelDescription.xml")
         port = description.ports[vr]
         if port.type != type_:
-            raise Refusal(f"{port.name} is of type {port.type}; get and set it as {port.type}, not as {type_}")
+            raise RefusalError(f"{port.name} is of type {port.type}; get and set it as {port.type}, not as {type_}")
     return Plan(description, list(vrs))
 
 
 def check_settable(description: Description, slots: list[int], initialised: bool) -> None:
-    """Raise Refusal for outputs, and for parameters once the instance is initialised."""
+    """Raise RefusalError for outputs, and for parameters once the instance is initialised."""
     for slot in slots:
         port = description.ports[slot]
         if port.causality == "output":
-            raise Refusal(f"{port.name} is an output and cannot be set; set inputs and parameters only")
+            raise RefusalError(f"{port.name} is an output and cannot be set; set inputs and parameters only")
         if port.causality == "parameter" and initialised:
-            raise Refusal(f"{port.name} is a fixed parameter; set it before the end of initialisation, or reset")
+            raise RefusalError(f"{port.name} is a fixed parameter; set it before the end of initialisation, or reset")
 
 
 def complaint(port: Port, value: float) -> str:
     """The sentence for a value outside the limits of its variable."""
     unit = "" if port.unit == "1" else f" {port.unit}"
-    if value != value or value in (float("inf"), float("-inf")):
+    if not isfinite(value):
         return f"{port.name} = {value} is not a finite number; keep it inside [{port.low:g}, {port.high:g}]{unit}"
     return f"{port.name} = {value!r}{unit} is outside [{port.low:g}, {port.high:g}]{unit}; the old value is kept"

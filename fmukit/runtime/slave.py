@@ -18,18 +18,18 @@ from pythonfmu.enums import Fmi2Status
 
 from . import library, state, table
 from .description import Description
-from .ports import Plan, Refusal, check_settable, complaint, plan
+from .ports import Plan, RefusalError, check_settable, complaint, plan
 from .stepping import TOO_LONG, Continuous, Sampled
 
 INSTANTIATED, INITIALISING, STEPPING, TERMINATED = range(4)
 _MODES = ("instantiated", "initialisation", "stepping", "terminated")
-_PLAIN = (Refusal, table.TableError, library.LibraryError)
+_PLAIN = (RefusalError, table.TableError, library.LibraryError)
 _LONGEST_STEP = 1e9
 _FURTHEST_TIME = 1e12
 _TOLERANCE = 1e-6
 
 
-class Slave(Fmi2Slave):  # type: ignore[misc]
+class Slave(Fmi2Slave):
     """One instance; the class made for an FMU carries its description and the name of its package."""
 
     description_: ClassVar[Description]
@@ -96,7 +96,9 @@ class Slave(Fmi2Slave):  # type: ignore[misc]
 
     def _expect(self, call: str, mode: int) -> bool:
         if self._mode != mode:
-            self._refuse(Refusal(f"{call} is not allowed in the state '{_MODES[self._mode]}'; the call is ignored"))
+            self._refuse(
+                RefusalError(f"{call} is not allowed in the state '{_MODES[self._mode]}'; the call is ignored")
+            )
         return self._mode == mode
 
     def _enter(self, mode: int) -> None:
@@ -111,7 +113,7 @@ class Slave(Fmi2Slave):  # type: ignore[misc]
         flat, rows = table.read(self._strings[about.table.slot], about.table) if about.table else (array("d"), 0)
         code = self._library.fmukit_initialise(self._address, seed, flat.buffer_info()[0], float(rows))
         if code:
-            raise Refusal(f"initialisation failed: {self._reason(code)}; check the parameters")
+            raise RefusalError(f"initialisation failed: {self._reason(code)}; check the parameters")
         self._motion.start(buffer[about.period_slot], seed)
         self._dirty = False
 
@@ -139,18 +141,20 @@ class Slave(Fmi2Slave):  # type: ignore[misc]
 
     def _discard(self, step_size: float, time: float | None = None) -> bool:
         if self._mode != STEPPING:
-            self._refuse(Refusal(f"doStep is not allowed in the state '{_MODES[self._mode]}'; initialise first"))
+            self._refuse(RefusalError(f"doStep is not allowed in the state '{_MODES[self._mode]}'; initialise first"))
         elif not 0.0 < step_size <= _LONGEST_STEP:
-            self._refuse(Refusal(f"a step of {step_size} s is not possible; step forward by 0 < h <= 1e9 s"))
+            self._refuse(RefusalError(f"a step of {step_size} s is not possible; step forward by 0 < h <= 1e9 s"))
         elif time is not None:
             text = f"a step from {time} s is not possible at {self._time} s; restore an FMU state to go back in time"
-            self._refuse(Refusal(text))
+            self._refuse(RefusalError(text))
         self._pending = False
         return False
 
     def _fail(self, code: int, time: float) -> bool:
         """A step the kernel could not compute: the outputs of the last good one stay."""
-        self._refuse(Refusal(f"the step from {time} s failed: {self._reason(code)}; the last good values are kept"))
+        self._refuse(
+            RefusalError(f"the step from {time} s failed: {self._reason(code)}; the last good values are kept")
+        )
         self._pending = False
         return False
 
@@ -237,7 +241,7 @@ class Slave(Fmi2Slave):  # type: ignore[misc]
     def _settable(self, vrs: list[int], type_: str) -> Plan:
         made = plan(self.description_, vrs, type_)
         if self._mode == TERMINATED:
-            raise Refusal("nothing can be set after terminate; reset the instance first")
+            raise RefusalError("nothing can be set after terminate; reset the instance first")
         check_settable(self.description_, made.slots, self._mode == STEPPING)
         if self._mode != STEPPING:
             self._dirty = True
@@ -251,7 +255,7 @@ class Slave(Fmi2Slave):  # type: ignore[misc]
             for slot, value in zip(where.slots, values, strict=True):
                 port = self.description_.ports[slot]
                 if not port.low <= value <= port.high:
-                    raise Refusal(complaint(port, value))
+                    raise RefusalError(complaint(port, value))
         where.write(self._buffer, values)
 
     # state
@@ -274,7 +278,7 @@ class Slave(Fmi2Slave):  # type: ignore[misc]
         try:
             if not isinstance(snapshot, state.Snapshot) or len(snapshot.buffer) != 8 * self.description_.size:
                 reason = snapshot.reason if isinstance(snapshot, state.Refused) else "it is not a state of this FMU"
-                raise Refusal(f"the FMU state is refused: {reason}; the present state is kept")
+                raise RefusalError(f"the FMU state is refused: {reason}; the present state is kept")
             self._restore(snapshot)
         except BaseException as error:
             self._refuse(error)
@@ -288,7 +292,7 @@ class Slave(Fmi2Slave):  # type: ignore[misc]
         self._anchored, self._origin, self._time = snapshot.anchored, snapshot.origin, snapshot.time
         seed = int(buffer[about.seed_slot]) if about.seed_slot >= 0 else 0
         self._motion.start(buffer[about.period_slot], seed)
-        self._motion.index = snapshot.index
+        self._motion.index = snapshot.samples
 
     def _fmu_state_to_bytes(self, snapshot: Any) -> bytes:
         try:

@@ -26,7 +26,7 @@ class Snapshot(NamedTuple):
     pending: bool
     broken: bool
     anchored: bool
-    index: int
+    samples: int
     origin: float
     time: float
 
@@ -43,7 +43,7 @@ def to_bytes(snapshot: Snapshot, description: Description) -> bytes:
         _MAGIC,
         _digest(description.hash.encode()),
         *snapshot[2:7],
-        snapshot.index,
+        snapshot.samples,
         snapshot.origin,
         snapshot.time,
         len(snapshot.buffer),
@@ -58,16 +58,21 @@ def from_bytes(data: bytes, description: Description) -> Snapshot | Refused:
     if len(data) < _HEAD.size + _DIGEST or data[: len(_MAGIC)] != _MAGIC:
         return Refused("the bytes are not a serialised state of this kind of FMU")
     content, digest = data[:-_DIGEST], data[-_DIGEST:]
-    _, owner, mode, *flags, index, origin, time, size, length = _HEAD.unpack_from(data)
+    _, owner, mode, dirty, pending, broken, anchored, samples, origin, time, size, length = _HEAD.unpack_from(data)
     if owner != _digest(description.hash.encode()):
         return Refused("the bytes are a state of another FMU or of another version of this FMU")
     if digest != _digest(content) or size != 8 * description.size or len(content) != _HEAD.size + size + length:
         return Refused("the bytes have been damaged or changed")
     buffer = content[_HEAD.size : _HEAD.size + size]
-    if not all(map(isfinite, array("d", buffer))) or not (isfinite(origin) and isfinite(time)) or index < 0 or mode > 3:
+    if (
+        not all(map(isfinite, array("d", buffer)))
+        or not (isfinite(origin) and isfinite(time))
+        or samples < 0
+        or mode > 3
+    ):
         return Refused("the bytes hold numbers that are not finite")
     strings = tuple((int(slot), str(value)) for slot, value in json.loads(content[_HEAD.size + size :]))
-    return Snapshot(buffer, strings, mode, *flags, index, origin, time)
+    return Snapshot(buffer, strings, mode, dirty, pending, broken, anchored, samples, origin, time)
 
 
 def _digest(data: bytes) -> bytes:

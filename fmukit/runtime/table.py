@@ -55,5 +55,7 @@ def _numbers(path: str, number: int, line: list[str], spec: TableFile) -> list[f
     except ValueError:
         values = []
     if len(values) != len(spec.columns) or not all(map(isfinite, values)):
-        raise TableError(f"table {path}, row {number}: expected {len(spec.columns)} finite numbers, got {','.join(line)}")
+        raise TableError(
+            f"table {path}, row {number}: expected {len(spec.columns)} finite numbers, got {','.join(line)}"
+        )
     return values

@@ -1,0 +1,95 @@
+"""The `fmus` command: what there is (`list`), and making it (`build`)."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from fmukit.build.errors import BuildError
+from fmukit.component import Component
+from fmus import CATALOGUE
+
+app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
+
+
+class UserError(Exception):
+    """Something the user can put right; the message is one sentence."""
+
+
+def main() -> None:
+    """Run the command; an error of the user is one sentence on stderr and exit status 2."""
+    try:
+        app()
+    except (UserError, BuildError, OSError) as error:
+        print(f"fmus: {error}", file=sys.stderr)
+        sys.exit(2)
+
+
+@app.callback()
+def _about() -> None:
+    """FMUs of the vehicle and formation control system."""
+
+
+@app.command("list")
+def list_(as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False) -> None:
+    """The catalogue: name, kind, step and ports of every FMU."""
+    if as_json:
+        print(json.dumps([_facts(component) for component in CATALOGUE], indent=2))
+        return
+    table = Table(box=None)
+    for heading, justify in (("name", "left"), ("kind", "left"), ("step [s]", "right"), ("parameters", "right")):
+        table.add_column(heading, justify=justify)  # type: ignore[arg-type]
+    table.add_column("inputs", justify="right")
+    table.add_column("outputs", justify="right")
+    table.add_column("what it is")
+    for component in CATALOGUE:
+        face = component.interface
+        counts = [str(len(face.select(causality))) for causality in ("parameter", "input", "output")]
+        table.add_row(face.name, face.kind, f"{face.step:g}", *counts, face.description)
+    Console().print(table)
+
+
+@app.command()
+def build(
+    names: Annotated[list[str] | None, typer.Argument(metavar="[NAME]...", help="Default: all.")] = None,
+    directory: Annotated[Path, typer.Option("-d", "--directory", help="Where to put the FMUs.")] = Path("fmu"),
+    platform: Annotated[list[str] | None, typer.Option(help="linux64 or win64; may be repeated.")] = None,
+) -> None:
+    """Build FMUs into a folder."""
+    components = _select(names or [])
+    columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True)) as progress:
+        for component in components:
+            task = progress.add_task(component.interface.name, total=1)
+            path = _build(component, directory, platform)
+            progress.update(task, description=str(path), completed=1)
+
+
+def _build(component: Component, directory: Path, platforms: list[str] | None) -> Path:
+    from fmukit.build.builder import build as build_fmu  # noqa: PLC0415 (imports casadi)
+
+    return build_fmu(component, directory, platforms)
+
+
+def _select(names: list[str]) -> list[Component]:
+    catalogue = {component.interface.name: component for component in CATALOGUE}
+    unknown = [name for name in names if name not in catalogue]
+    if unknown:
+        raise UserError(f"there is no FMU {unknown[0]}; choose from {', '.join(sorted(catalogue))}")
+    return [catalogue[name] for name in names] or list(CATALOGUE)
+
+
+def _facts(component: Component) -> dict[str, object]:
+    face = component.interface
+    ports = [
+        {"name": v.name, "causality": v.causality, "type": v.type, "unit": v.unit, "description": v.description}
+        for v in face.variables
+    ]
+    return {"name": face.name, "kind": face.kind, "step": face.step, "description": face.description, "ports": ports}
