@@ -1,0 +1,108 @@
+"""The right-hand side x' = f(p, d, u, x): contacts, forces, dynamics, kinematics put together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from fmukit.kernel import Signals
+from fmus.vehicle16dof import attitude, suspension, tyre
+from fmus.vehicle16dof.contact import Contact, contact
+from fmus.vehicle16dof.dynamics import Accelerations, Leg, accelerations
+from fmus.vehicle16dof.states import CORNERS, STATES, Corner, over_wheels, wheel_place
+
+
+@dataclass(frozen=True, slots=True)
+class Wheel:
+    """One corner evaluated: its contact, tyre force, leg, the wrench on the car about O1 in K1, and slip rates."""
+
+    contact: Contact
+    tyre: tyre.TyreForce
+    leg: Leg
+    force: ca.SX
+    moment: ca.SX
+    slip_rates: tuple[ca.SX, ca.SX]
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """The car evaluated: rotation body to world, gravity in K1 [m/s2], wheels, accelerations."""
+
+    R: ca.SX
+    gravity: ca.SX
+    wheels: list[Wheel]
+    accelerations: Accelerations
+
+
+def evaluate(p: Signals, d: dict[str, ca.SX], u: Signals, x: dict[str, ca.SX]) -> Motion:
+    """Everything instantaneous about the car in state x under the inputs u."""
+    R = attitude.rotation(x["attitude"])
+    n, omega = R[2, :].T, x["angular_rate"]
+    springs = suspension.corner_forces(p, u, x["travel"], x["travel_rate"])
+    wheels = [_wheel(p, u, x, n, corner, springs[corner.index]) for corner in CORNERS]
+    force = over_wheels([w.force for w in wheels]) + u.vector("body_force", "xyz") + _drag(p, x["velocity"])
+    moment = over_wheels([w.moment for w in wheels]) + u.vector("body_moment", "xyz")
+    solved = accelerations(p, d, omega, [w.leg for w in wheels], force, moment)
+    return Motion(R, -p["gravity"] * n, wheels, solved)
+
+
+def derivative(x: dict[str, ca.SX], motion: Motion) -> ca.SX:
+    """x' as a column in the order of `states.STATES`."""
+    a, omega = motion.accelerations, x["angular_rate"]
+    slips = [wheel.slip_rates for wheel in motion.wheels]
+    return STATES.join(
+        {
+            "position": motion.R @ x["velocity"],
+            "attitude": attitude.rate(x["attitude"], omega),
+            "velocity": a.specific_force + motion.gravity - ca.cross(omega, x["velocity"]),
+            "angular_rate": a.angular,
+            "travel": x["travel_rate"],
+            "travel_rate": a.travel,
+            "steer": x["steer_rate"],
+            "steer_rate": a.steer,
+            "wheel_angle": x["wheel_speed"],
+            "wheel_speed": a.spin,
+            "slip_ratio": ca.vertcat(*(along for along, _ in slips)),
+            "slip_tangent": ca.vertcat(*(across for _, across in slips)),
+        }
+    )
+
+
+def _drag(p: Signals, v: ca.SX) -> ca.SX:
+    """Air drag [N] along -x_1 at O1."""
+    area = 0.5 * p["air.density"] * p["body.drag_coefficient"] * p["body.frontal_area"]
+    return ca.vertcat(-area * v[0] * ca.fabs(v[0]), 0, 0)
+
+
+def _wheel(p: Signals, u: Signals, x: dict[str, ca.SX], n: ca.SX, corner: Corner, spring: ca.SX) -> Wheel:
+    i, k = corner.index, tyre.TyreData(p)
+    x_w, y_w, z_w = wheel_place(p, corner)
+    place, travel_rate, spin = ca.vertcat(x_w, y_w, z_w + x["travel"][i]), x["travel_rate"][i], x["wheel_speed"][i]
+    delta, turn = (x["steer"][i], x["steer_rate"][i]) if corner.steered else (ca.SX(0), ca.SX(0))
+    s, c, omega = ca.sin(delta), ca.cos(delta), x["angular_rate"]
+    axle = ca.vertcat(-s, c, 0)
+    velocity = x["velocity"] + ca.cross(omega, place) + ca.vertcat(0, 0, travel_rate)
+    height = x["position"][2] + ca.dot(n, place) - u[f"road_height.{corner.name}"]
+    touch = contact(p, n, axle, height, velocity, omega + ca.vertcat(0, 0, turn))
+    slips = x["slip_ratio"][i], x["slip_tangent"][i]
+    tyre_force = tyre.force(k, touch, u[f"road_friction.{corner.name}"], spin, *slips)
+    force = tyre_force.F_x * touch.x + tyre_force.F_y * touch.y + touch.F_z * n
+    about_centre = ca.cross(touch.arm, force) + tyre_force.M_z * n - tyre_force.rolling * axle
+    load = u[f"wheel_torque.{corner.name}"] + ca.dot(axle, about_centre)
+    leg = Leg(
+        place,
+        travel_rate,
+        s,
+        c,
+        turn,
+        spin,
+        corner.steered,
+        Q_travel=force[2] - spring,
+        Q_steer=about_centre[2] + suspension.steering_moment(p, u[f"steer_torque.{corner.name}"], delta, turn)
+        if corner.steered
+        else ca.SX(0),
+        Q_spin=load - tyre.brake(p, u[f"brake_torque.{corner.name}"], load, spin),
+    )
+    moment = ca.cross(place, force) + about_centre
+    return Wheel(touch, tyre_force, leg, force, moment, tyre.slip_rates(k, touch, spin, *slips))

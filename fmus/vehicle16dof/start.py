@@ -1,0 +1,39 @@
+"""The state at the start: static equilibrium, moving along the yaw direction, wheels rolling without slip."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from fmukit.kernel import Signals
+from fmus.vehicle16dof import attitude
+from fmus.vehicle16dof.contact import contact
+from fmus.vehicle16dof.states import CORNERS, STATES, Corner, wheel_place
+
+
+def state(p: Signals, u: Signals, rest: ca.SX) -> ca.SX:
+    """x (STATES) from s = (height, roll, pitch, travel) of the static equilibrium."""
+    height, roll, pitch, travel = rest[0], rest[1], rest[2], rest[3:]
+    turned = attitude.from_angles(roll, pitch, p["initial.yaw"])
+    level = attitude.rotation(attitude.from_angles(roll, pitch, ca.SX(0)))
+    velocity = level[0, :].T * p["initial.speed"]
+    spins = [_rolling(p, u, corner, level[2, :].T, height, travel, velocity) for corner in CORNERS]
+    return STATES.join(
+        {
+            "position": ca.vertcat(p["initial.position.x"], p["initial.position.y"], height),
+            "attitude": turned,
+            "velocity": velocity,
+            "travel": travel,
+            "wheel_speed": ca.vertcat(*spins),
+            **{name: ca.SX.zeros(3) for name in ("angular_rate",)},
+            **{name: ca.SX.zeros(2) for name in ("steer", "steer_rate")},
+            **{name: ca.SX.zeros(4) for name in ("travel_rate", "wheel_angle", "slip_ratio", "slip_tangent")},
+        }
+    )
+
+
+def _rolling(p: Signals, u: Signals, corner: Corner, n: ca.SX, height: ca.SX, travel: ca.SX, velocity: ca.SX) -> ca.SX:
+    """Spin [rad/s] without slip."""
+    place = ca.vertcat(*wheel_place(p, corner)) + ca.vertcat(0, 0, travel[corner.index])
+    above = height + ca.dot(n, place) - u[f"road_height.{corner.name}"]
+    touch = contact(p, n, ca.SX([0, 1, 0]), above, velocity, ca.SX.zeros(3))
+    return touch.V_x / touch.R_e

@@ -1,0 +1,62 @@
+"""The car at rest under any load: heave, roll, pitch and four travels by Newton's method.
+
+Residual: vertical force, roll and pitch moment about O1, and the four suspension joints, with level axles and no slip.
+Only normal forces act, so the other three base equations hold by themselves.
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from fmukit.kernel import Signals, symbols
+from fmus.vehicle16dof import suspension
+from fmus.vehicle16dof.interface import INTERFACE
+from fmus.vehicle16dof.states import CORNERS, DERIVED, over_wheels, unsprung_mass, wheel_place
+
+ITERATIONS = 15
+"""Newton steps; the problem is nearly linear, so 4 suffice unless wheels lift or stops engage (engineering choice)."""
+
+
+def newton() -> ca.Function:
+    """(p, d, u) -> s = (height of O1, roll, pitch, travel (4)); wheels may be in the air, not all of them."""
+    p, u, d = symbols(INTERFACE, "parameter"), symbols(INTERFACE, "input"), DERIVED.symbol("d")
+    s = ca.SX.sym("s", 7)
+    residual = _residual(p, DERIVED.split(d), u, s)
+    better = s - ca.solve(ca.jacobian(residual, s), residual)
+    step = ca.Function("equilibrium_step", [s, p.column, d, u.column], [ca.cse(better)])
+    p_, d_, u_ = ca.MX.sym("p", p.column.numel()), ca.MX.sym("d", DERIVED.size), ca.MX.sym("u", u.column.numel())
+    found = _guess(p, p_)
+    for _ in range(ITERATIONS):
+        found = step(found, p_, d_, u_)
+    return ca.Function("static_equilibrium", [p_, d_, u_], [found])
+
+
+def _guess(p: Signals, column: ca.MX) -> ca.MX:
+    """O1 so high that unloaded tyres just touch, sunk by two centimetres."""
+    drop = p["geometry.wheel_drop_front"] + p["wheel.radius"] - 0.02
+    return ca.Function("guess", [p.column], [ca.vertcat(drop, ca.SX.zeros(6))])(column)
+
+
+def _residual(p: Signals, d: dict[str, ca.SX], u: Signals, s: ca.SX) -> ca.SX:
+    z, roll, pitch, q = s[0], s[1], s[2], s[3:]
+    n = ca.vertcat(-ca.sin(pitch), ca.cos(pitch) * ca.sin(roll), ca.cos(pitch) * ca.cos(roll))
+    g, m_u = p["gravity"], unsprung_mass(p)
+    springs = suspension.corner_forces(p, u, q, ca.SX.zeros(4))
+    forces, moments, legs = [], [], []
+    for corner in CORNERS:
+        place = ca.vertcat(*wheel_place(p, corner)) + ca.vertcat(0, 0, q[corner.index])
+        F, arm = _normal_force(p, n, z + ca.dot(n, place) - u[f"road_height.{corner.name}"])
+        forces.append(F - m_u * g)
+        moments.append(ca.cross(F * (place + arm) - m_u * g * place, n))
+        legs.append((F - m_u * g) * n[2] - springs[corner.index])
+    force = over_wheels(forces) - d["mass"] * g
+    moment = over_wheels(moments) - g * ca.cross(d["mass_moment"], n)
+    return ca.vertcat(force, moment[:2], *legs)
+
+
+def _normal_force(p: Signals, n: ca.SX, height: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """(F_z, arm from wheel centre to contact) of an unsteered wheel with its centre `height` above the road."""
+    s = ca.vertcat(0, 1, 0)
+    cosine = ca.sqrt(1 - n[1] * n[1])
+    r = height / cosine
+    return p["tyre.vertical_stiffness"] * ca.fmax(p["wheel.radius"] - r, 0), r / cosine * (n[1] * s - n)
