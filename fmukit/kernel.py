@@ -46,7 +46,7 @@ class Kernel:
 class Signals:
     """Scalars of one causality by name, over one symbolic column: s["mass"], s.vector("position", "xyz")."""
 
-    def __init__(self, names: Iterable[str], column: ca.SX | ca.MX) -> None:
+    def __init__(self, names: Iterable[str], column: ca.SX) -> None:
         self.column = column
         self._index = {name: i for i, name in enumerate(names)}
 

@@ -294,16 +294,18 @@ class Slave(Fmi2Slave):
         self._motion.start(buffer[about.period_slot], seed)
         self._motion.index = snapshot.samples
 
-    def _fmu_state_to_bytes(self, snapshot: Any) -> bytes:
+    @classmethod
+    def _fmu_state_to_bytes(cls, snapshot: Any) -> bytes:
+        """PythonFMU calls this and the next on the class: there is no instance to raise a fault on."""
         try:
-            return state.to_bytes(snapshot, self.description_)
-        except BaseException as error:
-            self._refuse(error)
+            return state.to_bytes(snapshot, cls.description_)
+        except BaseException:
             return b""
 
-    def _fmu_state_from_bytes(self, data: bytes) -> state.Snapshot | state.Refused:
+    @classmethod
+    def _fmu_state_from_bytes(cls, data: bytes) -> state.Snapshot | state.Refused:
         try:
-            return state.from_bytes(bytes(data), self.description_)
+            return state.from_bytes(bytes(data), cls.description_)
         except BaseException as error:
             return state.Refused(f"the bytes cannot be read ({type(error).__name__})")
 

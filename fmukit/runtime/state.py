@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 import struct
 from array import array
+from dataclasses import dataclass
 from hashlib import blake2b
 from math import isfinite
-from typing import NamedTuple
 
 from .description import Description
 
@@ -16,8 +16,12 @@ _HEAD = struct.Struct("<8s16sB4?qddQQ")
 _DIGEST = 16
 
 
-class Snapshot(NamedTuple):
-    """`buffer` holds all doubles; the rest is what the slave keeps beside it."""
+@dataclass(frozen=True, slots=True)
+class Snapshot:
+    """`buffer` holds all doubles; the rest is what the slave keeps beside it.
+
+    Not a tuple: PythonFMU would unpack it into several arguments.
+    """
 
     buffer: bytes
     strings: tuple[tuple[int, str], ...]
@@ -31,7 +35,8 @@ class Snapshot(NamedTuple):
     time: float
 
 
-class Refused(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Refused:
     """What deserialising gives instead of a snapshot when the bytes are not sound."""
 
     reason: str
@@ -42,7 +47,11 @@ def to_bytes(snapshot: Snapshot, description: Description) -> bytes:
     head = _HEAD.pack(
         _MAGIC,
         _digest(description.hash.encode()),
-        *snapshot[2:7],
+        snapshot.mode,
+        snapshot.dirty,
+        snapshot.pending,
+        snapshot.broken,
+        snapshot.anchored,
         snapshot.samples,
         snapshot.origin,
         snapshot.time,
