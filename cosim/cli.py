@@ -42,9 +42,9 @@ def list_(as_json: Annotated[bool, typer.Option("--json", help="Print JSON only.
     if as_json:
         print(json.dumps([_listed(scenario) for scenario in found], indent=2))
         return
-    from cosim.display import scenario_table, stdout  # noqa: PLC0415
+    from cosim.display import console_of, scenario_table  # noqa: PLC0415
 
-    stdout().print(scenario_table(found))
+    console_of().print(scenario_table(found))
 
 
 @app.command()

@@ -20,8 +20,10 @@ from cosim.scenario import Scenario
 _REFRESH = 0.1  # [s] of wall time between two updates of the progress bar
 
 
-def stdout() -> Console:
-    return Console(highlight=False)
+def console_of(*, stderr: bool = False) -> Console:
+    """A console that does not squeeze tables when its output goes to a file."""
+    console = Console(highlight=False, stderr=stderr)
+    return console if console.is_terminal else Console(highlight=False, stderr=stderr, width=160)
 
 
 def silent(_plan: Plan) -> None:
@@ -33,7 +35,7 @@ def explainer(*, to_stderr: bool) -> Callable[[Plan], None]:
     from cosim.explain import explanation  # noqa: PLC0415  (only with --explain)
 
     def explain(plan: Plan) -> None:
-        console = Console(stderr=to_stderr, highlight=False)
+        console = console_of(stderr=to_stderr)
         for table in explanation(plan):
             console.print(table)
 
@@ -68,7 +70,8 @@ def progress(stop: float, *, shown: bool) -> Iterator[Callable[[int], None]]:
 
 def scenario_table(scenarios: Sequence[Scenario]) -> Table:
     table = Table(header_style="bold")
-    for column in ("scenario", "what it is", "reproduces", "settings"):
+    table.add_column("scenario", no_wrap=True)
+    for column in ("what it is", "reproduces", "settings"):
         table.add_column(column)
     for scenario in scenarios:
         settings = "\n".join(f"{name}={'|'.join(s.choices)}" for name, s in scenario.settings.items())
@@ -78,7 +81,7 @@ def scenario_table(scenarios: Sequence[Scenario]) -> Table:
 
 def show(summary: Mapping[str, Any], folder: Path) -> None:
     """The metrics, what the run cost, and where the results are."""
-    console = stdout()
+    console = console_of()
     table = Table(title=f"{summary['scenario']}, seed {summary['seed']}: {summary['status']}", header_style="bold")
     table.add_column("metric")
     table.add_column("value", justify="right")

@@ -16,8 +16,8 @@ from cosim.slave import Vector
 
 STREAM = "results.arrows"
 PARQUET = "results.parquet"
-_ROWS = 256
-_PATIENCE = 2.0  # [s] of wall time
+_ROWS = 1024
+_PATIENCE = 0.5  # [s] of wall time
 _ARRAY = re.compile(r"\[\d+]")
 
 

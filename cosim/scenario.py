@@ -25,7 +25,10 @@ class Setting:
 
 @dataclass(frozen=True, slots=True)
 class Scenario:
-    """`figures` names what of the thesis it reproduces; `find` gives the .fmu file of a catalogue name."""
+    """`figures` names what of the thesis it reproduces; `find` gives the .fmu file of a catalogue name.
+
+    `complete` derives what follows from the user's values once they are set, `draw` makes a picture of the results.
+    """
 
     name: str
     title: str
@@ -33,6 +36,7 @@ class Scenario:
     stop_time: float
     build: Callable[[Settings], System]
     find: Callable[[str], Path]
+    complete: Callable[[System], None] = lambda _system: None
     metrics: Callable[[Results], dict[str, float]] = lambda _results: {}
     draw: Callable[[Results, Path, str], None] | None = None
     settings: Mapping[str, Setting] = field(default_factory=dict)
@@ -48,6 +52,7 @@ def configured(scenario: Scenario, assignments: Sequence[tuple[str, str]]) -> Sy
     for name, value in assignments:
         if not name.startswith(PREFIX):
             system.set(name, value)
+    scenario.complete(system)
     return system
 
 

@@ -1,0 +1,122 @@
+"""The tracking loop shared by the scenarios of chapter 4: plant, sensors, filter, reference and both controllers."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Mapping
+from pathlib import Path
+
+from cosim.errors import CosimError
+from cosim.face import Value
+from cosim.scenario import Scenario, Setting, Settings
+from cosim.scenarios._catalogue import fmu_path
+from cosim.scenarios._tracking_metrics import tracking_metrics
+from cosim.system import System
+
+SETTINGS = {
+    "feedback": Setting("filter", ("filter", "truth"), "what the controllers see: the filter's estimate or the truth"),
+    "gps_profile": Setting("rtk", ("rtk", "dgps", "standalone"), "kind of satellite receiver"),
+    "imu_profile": Setting("automotive", ("automotive", "tactical"), "grade of the inertial unit"),
+}
+_TRUE_RATES = {
+    "estimate.yaw_rate": "angular_rate.z",
+    "estimate.roll_rate": "angular_rate.x",
+    "estimate.pitch_rate": "angular_rate.y",
+}
+
+
+def tracking(name: str, title: str, figures: str, stop_time: float, reference: Mapping[str, Value]) -> Scenario:
+    """A tracking scenario, whose manoeuvre is the parameter set `reference` of ReferenceTrajectory."""
+    return Scenario(
+        name=name,
+        title=title,
+        figures=figures,
+        stop_time=stop_time,
+        build=lambda settings: tracking_system(settings, reference),
+        complete=start_on_reference,
+        find=fmu_path,
+        metrics=tracking_metrics,
+        draw=_draw,
+        settings=SETTINGS,
+    )
+
+
+def tracking_system(settings: Settings, reference: Mapping[str, Value]) -> System:
+    """The closed loop. With feedback=truth the sensors and the filter run along, but nobody listens."""
+    from fmus.estimator.profiles import profile as filter_profile  # noqa: PLC0415  (lazy: `cosim list`)
+    from fmus.sensors.gps.profiles import profile as gps_profile  # noqa: PLC0415
+    from fmus.sensors.imu.profiles import profile as imu_profile  # noqa: PLC0415
+
+    gps, imu = settings["gps_profile"], settings["imu_profile"]
+    system = System()
+    system.add("plant", "Vehicle16Dof")
+    system.add("imu", "Imu", imu_profile(imu))
+    system.add("gps", "GpsReceiver", gps_profile(gps))
+    system.add("filter", "NavigationFilter", filter_profile(gps, imu))
+    system.add("reference", "ReferenceTrajectory", reference)
+    system.add("hlc", "HighLevelLqr")
+    system.add("llc", "LowLevelPid")
+    _wire_sensors(system)
+    _wire_controllers(system)
+    _wire_feedback(system, settings["feedback"])
+    return system
+
+
+def start_on_reference(system: System) -> None:
+    """Start the car, and the filter's belief, on the reference unless told otherwise."""
+    reference = system.instances["reference"].parameters
+    file = str(reference.get("trajectory_file", ""))
+    x, y, yaw, speed = _first_row(Path(file)) if file else _built_in(reference)
+    start = {"initial.position.x": x, "initial.position.y": y, "initial.yaw": yaw, "initial.speed": speed}
+    for name in ("plant", "filter"):
+        for variable, value in start.items():
+            system.instances[name].parameters.setdefault(variable, value)
+
+
+def _wire_sensors(system: System) -> None:
+    system.connect("plant", "imu", {"truth.": ""})
+    system.connect("plant", "gps", {"truth.": ""})
+    system.connect("imu", "filter")
+    system.connect("gps", "filter")
+    system.connect("plant", "filter")
+
+
+def _wire_controllers(system: System) -> None:
+    system.connect("reference", "hlc")
+    system.connect("hlc", "llc")
+    system.connect("plant", "llc")
+    system.connect("llc", "plant")
+
+
+def _wire_feedback(system: System, feedback: str) -> None:
+    if feedback == "filter":
+        system.connect("filter", "hlc")
+        system.connect("filter", "llc")
+    else:
+        system.connect("plant", "hlc", {"estimate.": ""})
+        system.connect("plant", "llc", {"estimate.": "", **_TRUE_RATES})
+
+
+def _built_in(reference: Mapping[str, Value]) -> tuple[float, float, float, float]:
+    names = ("initial.x", "initial.y", "initial.course", "initial_speed")
+    try:
+        x, y, course, speed = (float(reference.get(name, 0.0)) for name in names)
+    except ValueError:
+        raise CosimError(f"one of the parameters {', '.join(names)} of reference is not a number") from None
+    return x, y, math.remainder(course, math.tau), speed
+
+
+def _first_row(file: Path) -> tuple[float, float, float, float]:
+    try:
+        with file.open(newline="", encoding="utf-8-sig") as source:
+            row = next(csv.DictReader(source, skipinitialspace=True))
+        return float(row["x"]), float(row["y"]), math.remainder(float(row["course"]), math.tau), float(row["speed"])
+    except (OSError, StopIteration, KeyError, ValueError, UnicodeDecodeError) as error:
+        raise CosimError(f"cannot read the trajectory {file}: {error or 'it is empty'}") from None
+
+
+def _draw(results, file: Path, title: str) -> None:  # type: ignore[no-untyped-def]
+    from cosim.report.overview import draw_overview  # noqa: PLC0415  (slow to import)
+
+    draw_overview(results, file, title)
