@@ -1,0 +1,52 @@
+"""Units in their text form."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from fmukit.units import BASES, Unit, conversion, parse
+
+
+def _exponents(**powers: int) -> tuple[int, ...]:
+    return tuple(powers.get(base, 0) for base in BASES)
+
+
+@pytest.mark.parametrize(
+    ("text", "unit"),
+    [
+        ("1", Unit()),
+        ("m", Unit(exponents=_exponents(m=1))),
+        ("kg.m2", Unit(exponents=_exponents(kg=1, m=2))),
+        ("m/s2", Unit(exponents=_exponents(m=1, s=-2))),
+        ("1/s", Unit(exponents=_exponents(s=-1))),
+        ("N.m.s/rad", Unit(exponents=_exponents(kg=1, m=2, s=-1, rad=-1))),
+        ("kg/(m.s)", Unit(exponents=_exponents(kg=1, m=-1, s=-1))),
+        ("km/h", Unit(1000.0 / 3600.0, exponents=_exponents(m=1, s=-1))),
+        ("deg", Unit(math.pi / 180.0, exponents=_exponents(rad=1))),
+        ("degC", Unit(1.0, 273.15, _exponents(K=1))),
+        ("%", Unit(0.01)),
+        ("m2/s3", Unit(exponents=_exponents(m=2, s=-3))),
+    ],
+)
+def test_parse(text: str, unit: Unit) -> None:
+    parsed = parse(text)
+    assert parsed.factor == pytest.approx(unit.factor, rel=1e-15)
+    assert (parsed.offset, parsed.exponents) == (unit.offset, unit.exponents)
+
+
+@pytest.mark.parametrize("text", ["", "furlong", "m//s", "kg/m.s", "m s", "m^2", "/s", "N.m/(s", "."])
+def test_unknown_units_are_named(text: str) -> None:
+    with pytest.raises(ValueError, match="unit"):
+        parse(text)
+
+
+def test_conversion() -> None:
+    assert conversion("m/s", "m/s") == (1.0, 0.0)
+    assert conversion("km/h", "m/s")[0] == pytest.approx(1 / 3.6)
+    assert conversion("rad/s", "1/s") == (1.0, 0.0)
+    factor, offset = conversion("degC", "K")
+    assert factor * 20.0 + offset == pytest.approx(293.15)
+    with pytest.raises(ValueError, match=r"cannot be converted"):
+        conversion("m", "s")
