@@ -22,7 +22,7 @@ class Contact:
     R_e: ca.SX
 
 
-def contact(p: Signals, n: ca.SX, s: ca.SX, height: ca.SX, v: ca.SX, omega: ca.SX) -> Contact:
+def contact(p: Signals, n: ca.SX, s: ca.SX, *, height: ca.SX, v: ca.SX, omega: ca.SX) -> Contact:
     """The contact of a wheel with axle s whose centre is `height` above a road of normal n (all in K1).
 
     v, omega: velocity of the centre and angular velocity of the knuckle. With the camber component n.s = sin(gamma),

@@ -57,7 +57,7 @@ class _Reduced:
 
 
 def accelerations(
-    p: Signals, d: dict[str, ca.SX], omega: ca.SX, legs: list[Leg], force: ca.SX, moment: ca.SX
+    p: Signals, d: dict[str, ca.SX], omega: ca.SX, legs: list[Leg], *, force: ca.SX, moment: ca.SX
 ) -> Accelerations:
     """Solve M u' + h = Q; `force` [N] and `moment` [N.m] about O1 sum everything external, in K1."""
     m_u = unsprung_mass(p)
@@ -72,7 +72,7 @@ def accelerations(
     K[2, 2] += d["unsprung_inertia"]
     eps = _solve(K, N - coupling.T @ (inverse @ F))
     a = inverse @ (F - coupling @ eps)
-    joints = [_joint_accelerations(p, m_u, leg, own, a, eps) for leg, own in zip(legs, reduced, strict=True)]
+    joints = [_joint_accelerations(p, leg, own, a, eps) for leg, own in zip(legs, reduced, strict=True)]
     travel, steer, spin = (ca.vertcat(*column) for column in zip(*joints, strict=True))
     return Accelerations(a, eps, travel, steer[:2], spin)
 
@@ -113,12 +113,10 @@ def _leg_inertia(m_u: ca.SX, leg: Leg, A: ca.SX, B: ca.SX, C: ca.SX) -> ca.SX:
     return symmetric(ca.vertcat(xx + mz * z, yy + mz * z, 0 if leg.steered else C, xy, -mz * x, -mz * y))
 
 
-def _joint_accelerations(
-    p: Signals, m_u: ca.SX, leg: Leg, own: _Reduced, a: ca.SX, eps: ca.SX
-) -> tuple[ca.SX, ca.SX, ca.SX]:
+def _joint_accelerations(p: Signals, leg: Leg, own: _Reduced, a: ca.SX, eps: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
     x, y, _ = ca.vertsplit(leg.place)
     (w_x, w_y, _), (H_x, H_y, _) = own.rates, own.H
-    travel = leg.Q_travel / m_u - (a[2] + eps[0] * y - eps[1] * x + own.b[2])
+    travel = leg.Q_travel / unsprung_mass(p) - (a[2] + eps[0] * y - eps[1] * x + own.b[2])
     steer = (leg.Q_steer - w_x * H_y + w_y * H_x) / _inertias(p)[2] - eps[2] if leg.steered else ca.SX(0)
     axle = leg.cosine * eps[1] - leg.sine * eps[0] - leg.steer_rate * w_x
     return travel, steer, leg.Q_spin / p["wheel.inertia.spin"] - axle

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from fmukit.kernel import Signals
-from fmus.vehicle16dof import attitude, suspension, tyre
+from fmus.vehicle16dof import attitude, friction, suspension, tyre
 from fmus.vehicle16dof.contact import Contact, contact
 from fmus.vehicle16dof.dynamics import Accelerations, Leg, accelerations
 from fmus.vehicle16dof.states import CORNERS, STATES, Corner, over_wheels, wheel_place
@@ -40,10 +40,10 @@ def evaluate(p: Signals, d: dict[str, ca.SX], u: Signals, x: dict[str, ca.SX]) -
     R = attitude.rotation(x["attitude"])
     n, omega = R[2, :].T, x["angular_rate"]
     springs = suspension.corner_forces(p, u, x["travel"], x["travel_rate"])
-    wheels = [_wheel(p, u, x, n, corner, springs[corner.index]) for corner in CORNERS]
+    wheels = [_wheel(p, u, x, corner, n=n, spring=springs[corner.index]) for corner in CORNERS]
     force = over_wheels([w.force for w in wheels]) + u.vector("body_force", "xyz") + _drag(p, x["velocity"])
     moment = over_wheels([w.moment for w in wheels]) + u.vector("body_moment", "xyz")
-    solved = accelerations(p, d, omega, [w.leg for w in wheels], force, moment)
+    solved = accelerations(p, d, omega, [w.leg for w in wheels], force=force, moment=moment)
     return Motion(R, -p["gravity"] * n, wheels, solved)
 
 
@@ -75,7 +75,7 @@ def _drag(p: Signals, v: ca.SX) -> ca.SX:
     return ca.vertcat(-area * v[0] * ca.fabs(v[0]), 0, 0)
 
 
-def _wheel(p: Signals, u: Signals, x: dict[str, ca.SX], n: ca.SX, corner: Corner, spring: ca.SX) -> Wheel:
+def _wheel(p: Signals, u: Signals, x: dict[str, ca.SX], corner: Corner, *, n: ca.SX, spring: ca.SX) -> Wheel:
     i, k = corner.index, tyre.TyreData(p)
     x_w, y_w, z_w = wheel_place(p, corner)
     place, travel_rate, spin = ca.vertcat(x_w, y_w, z_w + x["travel"][i]), x["travel_rate"][i], x["wheel_speed"][i]
@@ -84,12 +84,20 @@ def _wheel(p: Signals, u: Signals, x: dict[str, ca.SX], n: ca.SX, corner: Corner
     axle = ca.vertcat(-s, c, 0)
     velocity = x["velocity"] + ca.cross(omega, place) + ca.vertcat(0, 0, travel_rate)
     height = x["position"][2] + ca.dot(n, place) - u[f"road_height.{corner.name}"]
-    touch = contact(p, n, axle, height, velocity, omega + ca.vertcat(0, 0, turn))
+    touch = contact(p, n, axle, height=height, v=velocity, omega=omega + ca.vertcat(0, 0, turn))
     slips = x["slip_ratio"][i], x["slip_tangent"][i]
-    tyre_force = tyre.force(k, touch, u[f"road_friction.{corner.name}"], spin, *slips)
+    road, stick_time = u[f"road_friction.{corner.name}"], p["brake.stick_time"]
+    tyre_force = tyre.force(k, touch, road, spin, slips)
     force = tyre_force.F_x * touch.x + tyre_force.F_y * touch.y + touch.F_z * n
     about_centre = ca.cross(touch.arm, force) + tyre_force.M_z * n - tyre_force.rolling * axle
+    turning = ca.SX(0)
+    if corner.steered:
+        turning = about_centre[2] + suspension.steering_moment(p, u[f"steer_torque.{corner.name}"], delta, turn)
+        inertia = p["knuckle.inertia.z"] + p["wheel.inertia.diametral"]
+        scrub = friction.dry(tyre.scrub_capacity(k, touch, road), turning, inertia * turn, stick_time)
+        about_centre, turning = about_centre - ca.vertcat(0, 0, scrub), turning - scrub
     load = u[f"wheel_torque.{corner.name}"] + ca.dot(axle, about_centre)
+    braking = friction.dry(u[f"brake_torque.{corner.name}"], load, p["wheel.inertia.spin"] * spin, stick_time)
     leg = Leg(
         place,
         travel_rate,
@@ -99,10 +107,8 @@ def _wheel(p: Signals, u: Signals, x: dict[str, ca.SX], n: ca.SX, corner: Corner
         spin,
         corner.steered,
         Q_travel=force[2] - spring,
-        Q_steer=about_centre[2] + suspension.steering_moment(p, u[f"steer_torque.{corner.name}"], delta, turn)
-        if corner.steered
-        else ca.SX(0),
-        Q_spin=load - tyre.brake(p, u[f"brake_torque.{corner.name}"], load, spin),
+        Q_steer=turning,
+        Q_spin=load - braking,
     )
     moment = ca.cross(place, force) + about_centre
-    return Wheel(touch, tyre_force, leg, force, moment, tyre.slip_rates(k, touch, spin, *slips))
+    return Wheel(touch, tyre_force, leg, force, moment, tyre.slip_rates(k, touch, spin, slips))

@@ -15,7 +15,7 @@ from fmus.vehicle16dof.states import DERIVED, STATES
 
 def kernel() -> Kernel:
     """The kernel; see `fmukit.kernel.Kernel` for the arguments of its functions."""
-    p, d, u, x = (ca.MX.sym(name, size) for name, size in zip("pdux", _sizes(), strict=True))
+    p, d, u = (ca.MX.sym(name, size) for name, size in zip("pdu", _sizes(), strict=True))
     return continuous_kernel(
         INTERFACE,
         states=STATES,
@@ -43,8 +43,8 @@ def output_function() -> ca.Function:
     return ca.Function("output", [p.column, d, u.column, x], [y], ["p", "d", "u", "x"], ["y"])
 
 
-def _sizes() -> tuple[int, int, int, int]:
-    return len(INTERFACE.names("parameter")), DERIVED.size, len(INTERFACE.names("input")), STATES.size
+def _sizes() -> tuple[int, int, int]:
+    return len(INTERFACE.names("parameter")), DERIVED.size, len(INTERFACE.names("input"))
 
 
 def _symbols() -> tuple[Signals, ca.SX, Signals, ca.SX]:

@@ -16,7 +16,7 @@ def state(p: Signals, u: Signals, rest: ca.SX) -> ca.SX:
     turned = attitude.from_angles(roll, pitch, p["initial.yaw"])
     level = attitude.rotation(attitude.from_angles(roll, pitch, ca.SX(0)))
     velocity = level[0, :].T * p["initial.speed"]
-    spins = [_rolling(p, u, corner, level[2, :].T, height, travel, velocity) for corner in CORNERS]
+    spins = [_rolling(p, u, corner, rest, n=level[2, :].T, velocity=velocity) for corner in CORNERS]
     return STATES.join(
         {
             "position": ca.vertcat(p["initial.position.x"], p["initial.position.y"], height),
@@ -24,16 +24,16 @@ def state(p: Signals, u: Signals, rest: ca.SX) -> ca.SX:
             "velocity": velocity,
             "travel": travel,
             "wheel_speed": ca.vertcat(*spins),
-            **{name: ca.SX.zeros(3) for name in ("angular_rate",)},
+            "angular_rate": ca.SX.zeros(3),
             **{name: ca.SX.zeros(2) for name in ("steer", "steer_rate")},
             **{name: ca.SX.zeros(4) for name in ("travel_rate", "wheel_angle", "slip_ratio", "slip_tangent")},
         }
     )
 
 
-def _rolling(p: Signals, u: Signals, corner: Corner, n: ca.SX, height: ca.SX, travel: ca.SX, velocity: ca.SX) -> ca.SX:
+def _rolling(p: Signals, u: Signals, corner: Corner, rest: ca.SX, *, n: ca.SX, velocity: ca.SX) -> ca.SX:
     """Spin [rad/s] without slip."""
-    place = ca.vertcat(*wheel_place(p, corner)) + ca.vertcat(0, 0, travel[corner.index])
-    above = height + ca.dot(n, place) - u[f"road_height.{corner.name}"]
-    touch = contact(p, n, ca.SX([0, 1, 0]), above, velocity, ca.SX.zeros(3))
+    place = ca.vertcat(*wheel_place(p, corner)) + ca.vertcat(0, 0, rest[3 + corner.index])
+    above = rest[0] + ca.dot(n, place) - u[f"road_height.{corner.name}"]
+    touch = contact(p, n, ca.SX([0, 1, 0]), height=above, v=velocity, omega=ca.SX.zeros(3))
     return touch.V_x / touch.R_e

@@ -1,6 +1,7 @@
 """Tyre forces from transient slip: combined slip, aligning moment, rolling resistance, relaxation, low speed.
 
-Steady forces are Pacejka's Magic Formula (`magic`). kappa' and tan(alpha') lag the slip velocities by relaxation lengths:
+Steady forces are Pacejka's Magic Formula (`magic`). kappa' and tan(alpha') lag the slip velocities by
+relaxation lengths:
     sigma kappa'' = -V_sx - V kappa',   V = max(|V_x|, |V_sx|/limit)
 At speed V = |V_x|, the usual relaxation, regular at V_x = 0; the second entry bounds the deflection of a sliding tyre.
 """
@@ -14,6 +15,9 @@ import casadi as ca
 from fmukit.kernel import Signals
 from fmus.vehicle16dof import magic
 from fmus.vehicle16dof.contact import Contact
+
+Slips = tuple[ca.SX, ca.SX]
+"""(kappa', tan(alpha'))."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,11 +47,13 @@ def standstill(k: TyreData, V_x: ca.SX) -> ca.SX:
     return 1 - s * s * (3 - 2 * s)
 
 
-def slip_rates(k: TyreData, c: Contact, spin: ca.SX, kappa: ca.SX, tangent: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """(kappa'', d tan(alpha')/dt) [1/s] of the relaxing tyre."""
+def slip_rates(k: TyreData, c: Contact, spin: ca.SX, slips: Slips) -> Slips:
+    """d/dt (kappa', tan(alpha')) [1/s] of the relaxing tyre."""
+    kappa, tangent = slips
     V_sx = c.V_x - spin * c.R_e
-    limit = k["slip_limit"] + (k["low_speed.slip"] - k["slip_limit"]) * standstill(k, c.V_x)
     speed = ca.fabs(c.V_x)
+    fast = ca.fmax(ca.fmin((speed / k["low_speed.speed"] - 1) / 3, 1), 0)
+    limit = k["low_speed.slip"] + (k["slip_limit"] - k["low_speed.slip"]) * fast
     along, across = ca.fmax(speed, ca.fabs(V_sx) / limit), ca.fmax(speed, ca.fabs(c.V_y) / limit)
     return (
         -(V_sx + along * kappa) / k["relaxation.longitudinal"],
@@ -55,9 +61,9 @@ def slip_rates(k: TyreData, c: Contact, spin: ca.SX, kappa: ca.SX, tangent: ca.S
     )
 
 
-def force(k: TyreData, c: Contact, road: ca.SX, spin: ca.SX, kappa: ca.SX, tangent: ca.SX) -> TyreForce:
-    """All forces of one tyre on a road of friction factor `road`, at transient slips kappa, tangent and spin [rad/s]."""
-    kappa, tangent = _damped(k, c, spin, kappa, tangent)
+def force(k: TyreData, c: Contact, road: ca.SX, spin: ca.SX, slips: Slips) -> TyreForce:
+    """All forces of one tyre turning at `spin` [rad/s] on a road of friction factor `road`, at transient slips."""
+    kappa, tangent = _damped(k, c, spin, slips)
     F_x, F_y = combined(k, c.F_z, road, kappa, tangent)
     fade = ca.fmax(1 - ca.fabs(tangent) / k["trail_vanishing_slip"], 0)
     forward = ca.fmax(ca.fmin(c.V_x / 0.5, 1), -1)
@@ -91,18 +97,14 @@ def _weight_stiffness(r_1: ca.SX, x: ca.SX) -> ca.SX:
     return r_1 / ca.sqrt(1 + x * x)
 
 
-def _damped(k: TyreData, c: Contact, spin: ca.SX, kappa: ca.SX, tangent: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Slips with the low-speed damping k_V V_s / K added (half its standstill value times 1 + cos in the source)."""
+def _damped(k: TyreData, c: Contact, spin: ca.SX, slips: Slips) -> Slips:
+    """Slips with the low-speed damping k_V V_s / K added, K at nominal load."""
+    kappa, tangent = slips
     k_V = k["low_speed.damping"] * standstill(k, c.V_x) / k["nominal_load"]
     K_x, K_y = k["longitudinal.stiffness"], 2 * k["lateral.stiffness"] / k["lateral.stiffness_load"]
     return kappa - k_V / K_x * (c.V_x - spin * c.R_e), tangent + k_V / K_y * c.V_y
 
 
-def brake(p: Signals, capacity: ca.SX, load: ca.SX, spin: ca.SX) -> ca.SX:
-    """Torque [N.m] of a friction brake of given capacity on a wheel loaded with `load` [N.m] that turns at `spin`.
-
-    It offers what brings the wheel to rest within the stick time, as far as its capacity goes: sliding friction when
-    the wheel turns, exact hold at rest, and never a reversal.
-    """
-    hold = load + p["wheel.inertia.spin"] * spin / p["brake.stick_time"]
-    return ca.fmax(ca.fmin(hold, capacity), -capacity)
+def scrub_capacity(k: TyreData, c: Contact, road: ca.SX) -> ca.SX:
+    """Largest friction moment [N.m] of the contact patch against turning on the spot; fades out with speed."""
+    return k["scrub_arm"] * k["lateral.friction"] * road * c.F_z * standstill(k, c.V_x)
