@@ -172,8 +172,9 @@ class Master:
                 if time > tail:
                     if time >= stop:
                         return
-                    self._cut(time, stop)
-                yield time, actions
+                    yield time, [partial(self._cut, time, stop), *actions]
+                else:
+                    yield time, actions
 
     def _cut(self, time: int, stop: int) -> None:
         for name in self.schedule.continuous:

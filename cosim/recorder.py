@@ -45,6 +45,7 @@ class Recorder:
         (folder / PARQUET).unlink(missing_ok=True)
         self._sink = (folder / STREAM).open("wb")
         self._writer = pa.ipc.new_stream(self._sink, self._schema)
+        self.flush()  # an empty chunk writes the schema, so that the stream can be read from now on
 
     def __call__(self) -> None:
         self._take(self._index, None, self._rows[self._filled], "clip")

@@ -1,0 +1,139 @@
+"""Wiring and values: everything a user can get wrong is one sentence that names it."""
+
+import pytest
+from cosim_mocks import RADIAN, UNITS, face
+
+from cosim.assembly import assemble, derived_seed
+from cosim.errors import CosimError
+from cosim.face import Face, Port
+from cosim.system import System, parse_assignments
+from cosim.units import Unit, conversion
+
+GAIN = Port("gain", 0, "parameter", unit="s", minimum=0.0, maximum=5.0)
+SWITCH = Port("active", 0, "parameter", "Boolean")
+SEED = Port("seed", 0, "parameter", "Integer", minimum=0, maximum=2**31 - 1)
+FAULT = Port("fault", 0, "output", "Boolean")
+
+
+def pair(source: Face, target: Face, names=None):
+    system = System()
+    system.add("source", "Mock")
+    system.add("target", "Mock")
+    system.connect("source", "target", names)
+    return assemble(system, {"source": source, "target": target}, 0)
+
+
+def single(parameters, period=None, extra=(GAIN, SWITCH, SEED)):
+    system = System()
+    system.add("car1.llc", "Mock", period=period)
+    for name, value in parameters.items():
+        system.set(name, value)
+    return assemble(system, {"car1.llc": face({"u": "m"}, {"y": "m"}, extra=extra)}, 7)["car1.llc"]
+
+
+def test_same_name_to_same_name():
+    nodes = pair(face({}, {"a": "m", "b": "m"}), face({"b": "m", "c": "m"}, {}))
+    assert [c.text for c in nodes["target"].incoming.values()] == ["source.b -> target.b"]
+
+
+def test_prefixes_and_single_names():
+    source = face({}, {"yaw": "rad", "rate.z": "rad", "estimate.yaw": "rad"})
+    target = face({"estimate.yaw": "rad", "estimate.yaw_rate": "rad"}, {})
+    nodes = pair(source, target, {"estimate.": "", "estimate.yaw_rate": "rate.z"})
+    assert {c.input: c.output for c in nodes["target"].incoming.values()} == {
+        "estimate.yaw": "yaw",
+        "estimate.yaw_rate": "rate.z",
+    }
+
+
+@pytest.mark.parametrize(
+    ("source", "target", "names", "sentence"),
+    [
+        (face({}, {"a": "m"}), face({"a": "s"}, {}), None, "source.a -> target.a: the units m and s do not measure"),
+        (face({}, {"a": "m"}), face({"a": "furlong"}, {}), None, "cannot relate the units m and furlong"),
+        (face({}, {"a": "m"}), face({"b": "m"}, {}), None, "nothing connects source to target"),
+        (face({}, {"speed": "m"}), face({"b": "m"}, {}), {"b": "sped"}, "unknown output of source .* speed"),
+        (face({}, {"a": "m"}), face({"speed": "m"}, {}), {"sped": "a"}, "unknown input of target .* speed"),
+        (
+            face({}, {"a": "m"}, extra=(FAULT,)),
+            face({"fault": "m"}, {}),
+            None,
+            "source.fault is Boolean; only Real ports connect",
+        ),
+    ],
+)
+def test_bad_connections(source, target, names, sentence):
+    with pytest.raises(CosimError, match=sentence):
+        pair(source, target, names)
+
+
+def test_an_input_is_fed_once_and_not_set_as_well():
+    system = System()
+    for name in ("a", "b", "sink"):
+        system.add(name, "Mock")
+    system.connect("a", "sink")
+    faces = {"a": face({}, {"x": "m"}), "b": face({}, {"x": "m"}), "sink": face({"x": "m"}, {})}
+    system.set("sink.x", 3.0)
+    with pytest.raises(CosimError, match=r"sink\.x cannot be set, as it is connected: a\.x -> sink\.x"):
+        assemble(system, faces, 0)
+    system.connect("b", "sink")
+    with pytest.raises(CosimError, match="is fed twice"):
+        assemble(system, faces, 0)
+
+
+@pytest.mark.parametrize(
+    ("setting", "sentence"),
+    [
+        ({"car1.llc.gain": "6"}, r"car1\.llc\.gain = 6 s is outside its range 0 \.\.\. 5 s"),
+        ({"car1.llc.gain": "nan"}, "is not a finite number"),
+        ({"car1.llc.gain": "fast"}, "car1.llc.gain = fast is not a number"),
+        ({"car1.llc.gian": "1"}, r"unknown variable of car1\.llc \(Mock\) 'gian'; did you mean gain"),
+        ({"car1.llc.active": "maybe"}, "is not a Boolean; write true or false"),
+        ({"car1.llc.seed": "1.5"}, "is not a whole number"),
+        ({"car1.llc.y": "1"}, r"car1\.llc\.y is an output"),
+        ({"car2.llc.gain": "1"}, "unknown instance"),
+    ],
+)
+def test_bad_values(setting, sentence):
+    with pytest.raises(CosimError, match=sentence):
+        single(setting)
+
+
+def test_values_take_the_type_of_their_port():
+    node = single({"car1.llc.gain": "2", "car1.llc.active": "off", "car1.llc.u": "-1"})
+    assert node.values == {"gain": 2.0, "active": False, "u": -1.0, "seed": derived_seed(7, "car1.llc")}
+
+
+def test_seeds_differ_by_instance_and_run_and_can_be_set():
+    assert single({"car1.llc.seed": "5"}).values["seed"] == 5
+    seeds = {derived_seed(run, name) for run in range(5) for name in ("imu", "gps", "car1.imu")}
+    assert len(seeds) == 15
+    assert derived_seed(0, "imu") == 835407668, "seeds must be the same on every machine and for ever"
+    assert all(0 <= seed < 2**31 for seed in seeds)
+
+
+def test_the_period_reaches_the_sampling_grid_and_back():
+    sample_period = Port("sample_period", 0, "parameter", unit="s", minimum=1e-6, maximum=1e3)
+    overridden = single({}, period=0.05, extra=(sample_period,))
+    assert (overridden.period, overridden.values["sample_period"]) == (50_000_000, 0.05)
+    assert single({"car1.llc.sample_period": "0.04"}, extra=(sample_period,)).period == 40_000_000
+
+
+def test_a_period_of_no_whole_nanoseconds_names_the_instance():
+    with pytest.raises(CosimError, match=r"the period of car1\.llc \(Mock\) is 0.333"):
+        single({}, period=1 / 3)
+
+
+def test_conversion_of_angles_and_temperatures():
+    degrees = conversion(UNITS["deg"], RADIAN, "x")
+    assert degrees.factor * 180.0 == pytest.approx(3.141592653589793)
+    fahrenheit = Unit("degF", UNITS["K"].exponents, 5.0 / 9.0, 273.15 - 32.0 * 5.0 / 9.0)
+    to_celsius = conversion(fahrenheit, UNITS["degC"], "x")
+    assert to_celsius.factor * 212.0 + to_celsius.offset == pytest.approx(100.0)
+    assert conversion(None, UNITS["m"], "x").trivial
+
+
+@pytest.mark.parametrize("text", ["amplitude=3", "hlc.x", "=3"])
+def test_unreadable_assignments(text):
+    with pytest.raises(CosimError, match=r"write --set instance\.variable=value"):
+        parse_assignments([text])
