@@ -12,21 +12,19 @@ STATE = Layout(roll=1, roll_bias=1, pitch=1, pitch_bias=1, roll_covariance=3, pi
 
 
 def step(x: dict[str, ca.SX], rate: ca.SX, reading: ca.SX, T: ca.SX, p: Signals) -> dict[str, ca.SX]:
-    """Attitude a time T later, updated with `reading` = (roll, pitch); `rate` (3) is the mean rate over T, z unbiased.
+    """Attitude a time T later, updated with `reading` = (roll, pitch); `rate` (3) is the measured mean rate over T.
+
+    The z bias is left in: it enters only through roll and pitch times itself.
 
     phi' = omega_x + tan(theta) (omega_y sin(phi) + omega_z cos(phi)), theta' = omega_y cos(phi) - omega_z sin(phi).
     """
     phi_dot, theta_dot, _ = euler_rates(x["roll"], x["pitch"], rate - ca.vertcat(x["roll_bias"], x["pitch_bias"], 0))
-    roll = _axis(x["roll"], x["roll_bias"], x["roll_covariance"], phi_dot, reading[0], T, p)
-    pitch = _axis(x["pitch"], x["pitch_bias"], x["pitch_covariance"], theta_dot, reading[1], T, p)
-    names = ("roll", "roll_bias", "roll_covariance", "pitch", "pitch_bias", "pitch_covariance")
-    return dict(zip(names, (*roll, *pitch), strict=True))
+    return _axis("roll", x, phi_dot, reading[0], T=T, p=p) | _axis("pitch", x, theta_dot, reading[1], T=T, p=p)
 
 
-def _axis(
-    angle: ca.SX, bias: ca.SX, P: ca.SX, rate: ca.SX, reading: ca.SX, T: ca.SX, p: Signals
-) -> tuple[ca.SX, ca.SX, ca.SX]:
+def _axis(name: str, x: dict[str, ca.SX], rate: ca.SX, reading: ca.SX, *, T: ca.SX, p: Signals) -> dict[str, ca.SX]:
     """One pair [angle, bias]: angle' = rate (bias already removed), bias a random walk, then a Joseph update."""
+    angle, bias, P = x[name], x[f"{name}_bias"], x[f"{name}_covariance"]
     q_g, q_b, r = p["noise.gyroscope"] ** 2, p["noise.gyroscope_bias"] ** 2, p["noise.attitude"] ** 2
     p11 = P[0] - 2 * T * P[1] + T**2 * P[2] + T * q_g + T**3 / 3 * q_b
     p12, p22 = P[1] - T * P[2] - T**2 / 2 * q_b, P[2] + T * q_b
@@ -35,7 +33,8 @@ def _axis(
     j11 = rest**2 * p11 + k1**2 * r
     j12 = rest * (p12 - k2 * p11) + k1 * k2 * r
     j22 = k2**2 * (p11 + r) - 2 * k2 * p12 + p22
-    return angle + T * rate + k1 * gap, bias + k2 * gap, ca.vertcat(j11, j12, j22)
+    mean = {name: angle + T * rate + k1 * gap, f"{name}_bias": bias + k2 * gap}
+    return mean | {f"{name}_covariance": ca.vertcat(j11, j12, j22)}
 
 
 def quasi_static(travel: dict[str, ca.SX], force: ca.SX, p: Signals) -> ca.SX:

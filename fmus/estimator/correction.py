@@ -23,7 +23,7 @@ def correct() -> ca.Function:
     doubt, initial = ca.SX.sym("doubt"), ca.SX.sym("P0", PACKED)
     k, doubted = TRUST.split(trust), belief + doubt * ca.vertcat(ca.SX.zeros(STATE.size), initial)
     z, P, nis_1, accepted_1 = _heading(*unpack(doubted), FIX.split(fix), k, doubt)
-    z, P, nis_2, accepted_2 = _position(z, P, FIX.split(fix), lever, k, doubt)
+    z, P, nis_2, accepted_2 = _position(z, P, FIX.split(fix), lever, k=k, doubt=doubt)
     outcome = [ca.vertcat(z, pack(P)), ca.vertcat(nis_1, nis_2), ca.vertcat(accepted_1, accepted_2)]
     return ca.Function("correct", [belief, fix, lever, trust, doubt, initial], outcome)
 
@@ -34,11 +34,13 @@ def _heading(
     """Stage 1: two-antenna heading, innovation wrapped to (-pi, pi]."""
     H = ca.horzcat(1, ca.SX(1, STATE.size - 1))
     gap = fix["heading"] - z[0]
-    return update(z, P, ca.atan2(ca.sin(gap), ca.cos(gap)), H, k["heading"], STAGE_1, k["gate_heading"], doubt)
+    return update(
+        z, P, ca.atan2(ca.sin(gap), ca.cos(gap)), H, k["heading"], own=STAGE_1, gate=k["gate_heading"], doubt=doubt
+    )
 
 
 def _position(
-    z: ca.SX, P: ca.SX, fix: dict[str, ca.SX], lever: ca.SX, k: dict[str, ca.SX], doubt: ca.SX
+    z: ca.SX, P: ca.SX, fix: dict[str, ca.SX], lever: ca.SX, *, k: dict[str, ca.SX], doubt: ca.SX
 ) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
     """Stage 2: antenna position p + Rz(psi) l + c and velocity Rz(psi)(w + l'); psi's uncertainty is considered."""
     states = STATE.symbol("z")
@@ -46,7 +48,7 @@ def _position(
     H = ca.substitute(ca.jacobian(predicted, states), states, z)
     gap = ca.vertcat(fix["position"], fix["velocity"]) - ca.substitute(predicted, states, z)
     R = ca.diag(ca.vertcat(k["position"], k["position"], k["velocity"], k["velocity"]))
-    return update(z, P, gap, H, R, STAGE_2, k["gate_position"], doubt)
+    return update(z, P, gap, H, R, own=STAGE_2, gate=k["gate_position"], doubt=doubt)
 
 
 def antenna(z: ca.SX, lever: ca.SX) -> ca.SX:
@@ -58,7 +60,7 @@ def antenna(z: ca.SX, lever: ca.SX) -> ca.SX:
 
 
 def update(
-    z: ca.SX, P: ca.SX, gap: ca.SX, H: ca.SX, R: ca.SX, own: slice, gate: ca.SX, doubt: ca.SX
+    z: ca.SX, P: ca.SX, gap: ca.SX, H: ca.SX, R: ca.SX, *, own: slice, gate: ca.SX, doubt: ca.SX
 ) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
     """Schmidt-Kalman update of the states `own`: the gain's other rows are 0 but their covariance counts in S.
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import casadi as ca
 
 from fmukit.kernel import Kernel, Layout, sampled_kernel
-from fmus.estimator import attitude
 from fmus.estimator.correction import FIX, TRUST, correct
 from fmus.estimator.history import ROW, SAMPLES, lever_at, transport
 from fmus.estimator.interface import INTERFACE
@@ -57,7 +56,7 @@ def _step() -> ca.Function:
 
 def _move_on(p: ca.MX, u: ca.MX, d: dict[str, ca.MX], x: dict[str, ca.MX]) -> dict[str, ca.MX]:
     """Attitude, history, then either one step ahead or the correction of the past."""
-    sensed, row, T, period, fix, age, count, valid = sense()(p, u, x["sensed"], x["belief"])
+    sensed, row, T, period, fix, age, count, valid = sense()(p, u, x["sensed"])
     checkpoint, checkpoint_age = _keep_within_reach(d, x, period)
     x = x | {"sensed": sensed, "checkpoint": checkpoint, "checkpoint_age": checkpoint_age + T}
     x["rows"] = ca.vertcat(x["rows"][ROW.size :], row)

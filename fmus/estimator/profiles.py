@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from fmukit.interface import AXES
+from fmukit.interface import AXES, Interface
 from fmus.sensors.gps.interface import INTERFACE as GPS
 from fmus.sensors.gps.profiles import profile as gps_profile
 from fmus.sensors.imu.interface import INTERFACE as IMU
@@ -35,5 +35,5 @@ def assumed(imu: Mapping[str, float], gps: Mapping[str, float]) -> dict[str, flo
     return matched | {"noise.gps_heading": data["heading.noise"] / data["antenna.baseline"]}
 
 
-def _starts(interface) -> dict[str, float]:  # type: ignore[no-untyped-def]
+def _starts(interface: Interface) -> dict[str, float]:
     return {v.name: float(v.start) for v in interface.select("parameter") if v.type == "Real"}

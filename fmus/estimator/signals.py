@@ -48,24 +48,25 @@ def prior() -> ca.Function:
 
 
 def sense() -> ca.Function:
-    """(p, u, sensed, belief) -> sensed, row of the history, time since the previous sample, period, and the fix.
+    """(p, u, sensed) -> sensed, row of the history, time since the previous sample, period, and the fix.
 
     The row's reading is the mean of this sample's and the previous one's: the interval's mean to second order.
-    At the very first sample nothing has passed and the previous reading is this one.
+    At the very first sample nothing has passed and the previous reading is this one. Nothing here depends on the
+    belief, so that a late fix changes the past only through the belief.
     """
-    p, u, old, belief = symbols(INTERFACE, "parameter"), symbols(INTERFACE, "input"), SENSED.symbol(), BELIEF.symbol()
-    x, z = SENSED.split(old), STATE.split(BELIEF.split(belief)["mean"])
+    p, u, old = symbols(INTERFACE, "parameter"), symbols(INTERFACE, "input"), SENSED.symbol()
+    x = SENSED.split(old)
     omega, f = u.vector("gyroscope", AXES), u.vector("accelerometer", AXES)
     started, T = x["started"], x["started"] * p["sample_period"]
-    rate = _mean(omega, x["rate"], started) - ca.vertcat(0, 0, z["gyroscope_bias"])
+    rate = _mean(omega, x["rate"], started)
     travel = {wheel: u[f"suspension_travel.{wheel}"] for wheel in WHEELS}
-    seen = attitude.quasi_static(travel, f[0:2] - z["accelerometer_bias"], p)
+    seen = attitude.quasi_static(travel, f[0:2], p)
     angles = attitude.step(attitude.STATE.split(x["attitude"]), rate, seen, T, p)
     level, lever = _levelled(angles, omega, f, p)
     row = ROW.join({"reading": _mean(level, x["level"], started), "lever": lever})
     new = {"attitude": attitude.STATE.join(angles), "rate": omega, "level": level, "started": ca.SX(1)}
     outcome = [SENSED.join(new), row, T, p["sample_period"], _fix(u), u["gps.age"], u["gps.fix_count"], u["gps.valid"]]
-    return ca.Function("sense", [p.column, u.column, old, belief], outcome)
+    return ca.Function("sense", [p.column, u.column, old], outcome)
 
 
 def _mean(new: ca.SX, old: ca.SX, started: ca.SX) -> ca.SX:
@@ -130,7 +131,7 @@ def _motion(s: dict[str, ca.SX], angles: dict[str, ca.SX], omega: ca.SX, p: Sign
 
 
 def _spread(P: ca.SX, angles: dict[str, ca.SX]) -> dict[str, ca.SX]:
-    variance = dict(zip(("yaw", "b", "position.x", "position.y", "velocity.x", "velocity.y"), ca.vertsplit(ca.diag(P))))
-    del variance["b"]
+    names = ("yaw", "position.x", "position.y", "velocity.x", "velocity.y")
+    variance = {name: P[i, i] for name, i in zip(names, (0, 2, 3, 4, 5), strict=True)}
     variance |= {name: angles[f"{name}_covariance"][0] for name in ("roll", "pitch")}
     return {f"std.{name}": ca.sqrt(value) for name, value in variance.items()}

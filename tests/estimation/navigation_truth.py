@@ -124,7 +124,7 @@ def _accumulated(step: ca.Function, count: int) -> ca.Function:
     return _LOOPS[key]
 
 
-def navigate(seed, imu, gps, estimator, settings=None, signals=None):
+def navigate(seed, imu, gps, estimator, *, settings=None, signals=None):
     """Filter outputs over the manoeuvre: sensors with `seed`, `settings` per instance; components with kernels."""
     signals, settings = signals or truth(), settings or {}
     inertial = run(imu[0], signals, {"seed": 2 * seed} | settings.get("imu", {}), kernel=imu[1])

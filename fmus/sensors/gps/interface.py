@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from fmukit.interface import AXES, Variable, group, input_, load_parameters, output, sampled
@@ -16,7 +17,7 @@ def _truth() -> list[Variable]:
     ]
 
 
-def gps_bus(make):  # type: ignore[no-untyped-def]
+def gps_bus(make: Callable[..., Variable]) -> list[Variable]:
     """The receiver's signals, made with `make` (`input_` or `output`)."""
     return [
         *group(make, "gps.position", AXES, "m", "reported position of the main antenna, world frame"),
