@@ -13,6 +13,7 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from statistics import median
+from typing import Any
 
 import fmpy
 from fmpy.fmi2 import FMU2Slave
@@ -120,12 +121,13 @@ def _exchange(path: Path, step: float) -> Callable[[int], None]:
 
 def _raw(fmu: FMU2Slave, name: str) -> Callable[..., int]:
     """The C function without FMPy's wrapper around it."""
-    function = getattr(ctypes.CDLL(fmu.dll._name), name)
+    function: Any = getattr(ctypes.CDLL(fmu.dll._name), name)
     function.restype = ctypes.c_int
     function.argtypes = {
         "fmi2DoStep": [ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_int],
     }.get(name, [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p])
-    return function
+    raw: Callable[..., int] = function
+    return raw
 
 
 def _references(numbers: Sequence[int]) -> ctypes.Array[ctypes.c_uint]:

@@ -7,12 +7,14 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cache
 from math import isclose, pi
 
 BASES = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
-_FACTOR = re.compile(r"(1|%|[^\W\d_]+)(-?\d+)?")
-_NONE = (0,) * len(BASES)
+_TOKEN = re.compile(r"\s*(sqrt\(|[./()]|(?:1|%|[^\W\d_]+)(?:-?\d+)?)")
+_SYMBOL = re.compile(r"(1|%|[^\W\d_]+)(-?\d+)?")
+_NONE = (Fraction(0),) * len(BASES)
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,23 +23,25 @@ class Unit:
 
     factor: float = 1.0
     offset: float = 0.0
-    exponents: tuple[int, ...] = _NONE
+    exponents: tuple[Fraction, ...] = _NONE
 
     def __mul__(self, other: Unit) -> Unit:
         exponents = tuple(a + b for a, b in zip(self.exponents, other.exponents, strict=True))
         return Unit(self.factor * other.factor, 0.0, exponents)
 
-    def __pow__(self, n: int) -> Unit:
-        return self if n == 1 else Unit(self.factor**n, 0.0, tuple(n * exponent for exponent in self.exponents))
+    def __pow__(self, n: Fraction | int) -> Unit:
+        if n == 1:
+            return self
+        return Unit(self.factor ** float(n), 0.0, tuple(n * exponent for exponent in self.exponents))
 
     @property
-    def dimension(self) -> tuple[int, ...]:
+    def dimension(self) -> tuple[Fraction, ...]:
         """Exponents without the radian, which is a pure number."""
         return self.exponents[:-1]
 
 
 def _base(name: str) -> Unit:
-    return Unit(exponents=tuple(int(base == name) for base in BASES))
+    return Unit(exponents=tuple(Fraction(base == name) for base in BASES))
 
 
 def _named() -> dict[str, Unit]:
@@ -79,27 +83,53 @@ def _named() -> dict[str, Unit]:
 
 
 def _expression(text: str, units: dict[str, Unit]) -> Unit:
-    numerator, slash, denominator = text.partition("/")
-    if not slash:
-        return _product(text, numerator, units)
-    bracketed = denominator.startswith("(") and denominator.endswith(")")
-    if not bracketed and not _FACTOR.fullmatch(denominator):
-        raise ValueError(f"unit {text!r}: put the denominator in brackets, as in kg/(m.s)")
-    return (
-        _product(text, numerator, units) * _product(text, denominator[1:-1] if bracketed else denominator, units) ** -1
-    )
+    tokens = _TOKEN.findall(text)
+    if "".join(tokens) != text or not text:
+        raise ValueError(f"unit {text!r} is not written like kg.m2, m/s2 or N/(m.s)")
+    try:
+        unit = _quotient(tokens, units)
+    except (IndexError, KeyError) as error:
+        raise ValueError(f"unit {text!r} is not known; known symbols are {', '.join(sorted(units))}") from error
+    if tokens:
+        raise ValueError(f"unit {text!r}: unexpected {tokens[0]!r}; put a product below the line in brackets")
+    return unit
 
 
-def _product(text: str, product: str, units: dict[str, Unit]) -> Unit:
-    result: Unit | None = None
-    for factor in product.split("."):
-        match = _FACTOR.fullmatch(factor)
-        if not match or match[1] not in units:
-            raise ValueError(f"unit {text!r}: {factor!r} is not known; known are {', '.join(sorted(units))}")
-        power = units[match[1]] ** int(match[2] or 1)
-        result = power if result is None else result * power
-    assert result is not None
-    return result
+def _quotient(tokens: list[str], units: dict[str, Unit]) -> Unit:
+    unit = _product(tokens, units)
+    while tokens[:1] == ["/"]:
+        tokens.pop(0)
+        unit = unit * _divisor(tokens, units) ** -1
+    return unit
+
+
+def _divisor(tokens: list[str], units: dict[str, Unit]) -> Unit:
+    if tokens[:1] != ["("]:
+        return _factor(tokens, units)
+    tokens.pop(0)
+    return _closed(_product(tokens, units), tokens)
+
+
+def _product(tokens: list[str], units: dict[str, Unit]) -> Unit:
+    unit = _factor(tokens, units)
+    while tokens[:1] == ["."]:
+        tokens.pop(0)
+        unit = unit * _factor(tokens, units)
+    return unit
+
+
+def _factor(tokens: list[str], units: dict[str, Unit]) -> Unit:
+    token = tokens.pop(0)
+    if token == "sqrt(":
+        return _closed(_quotient(tokens, units), tokens) ** Fraction(1, 2)
+    match = _SYMBOL.fullmatch(token)
+    return units[match[1] if match else token] ** int((match and match[2]) or 1)
+
+
+def _closed(unit: Unit, tokens: list[str]) -> Unit:
+    if tokens.pop(0) != ")":
+        raise IndexError
+    return unit
 
 
 _UNITS = _named()

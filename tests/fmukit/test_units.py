@@ -9,7 +9,7 @@ import pytest
 from fmukit.units import BASES, Unit, conversion, parse
 
 
-def _exponents(**powers: int) -> tuple[int, ...]:
+def _exponents(**powers: float) -> tuple[float, ...]:
     return tuple(powers.get(base, 0) for base in BASES)
 
 
@@ -27,6 +27,9 @@ def _exponents(**powers: int) -> tuple[int, ...]:
         ("deg", Unit(math.pi / 180.0, exponents=_exponents(rad=1))),
         ("degC", Unit(1.0, 273.15, _exponents(K=1))),
         ("%", Unit(0.01)),
+        ("m/s2/sqrt(Hz)", Unit(exponents=_exponents(m=1, s=-1.5))),
+        ("deg/sqrt(h)", Unit(math.pi / 180.0 / 60.0, exponents=_exponents(rad=1, s=-0.5))),
+        ("sqrt(m2/s2)", Unit(exponents=_exponents(m=1, s=-1))),
         ("m2/s3", Unit(exponents=_exponents(m=2, s=-3))),
     ],
 )
@@ -36,7 +39,9 @@ def test_parse(text: str, unit: Unit) -> None:
     assert (parsed.offset, parsed.exponents) == (unit.offset, unit.exponents)
 
 
-@pytest.mark.parametrize("text", ["", "furlong", "m//s", "kg/m.s", "m s", "m^2", "/s", "N.m/(s", "."])
+@pytest.mark.parametrize(
+    "text", ["", "furlong", "m//s", "kg/m.s", "m s", "m^2", "/s", "N.m/(s", ".", "sqrt(m", "m)", "sqrtm", "m..s"]
+)
 def test_unknown_units_are_named(text: str) -> None:
     with pytest.raises(ValueError, match="unit"):
         parse(text)
