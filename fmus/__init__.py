@@ -1,5 +1,16 @@
 """The components, and nothing else. `CATALOGUE` is the one list of all FMUs; build, checks, docs and tests use it."""
 
-from fmukit.kernel import Component
+from fmukit.component import Component
+from fmus import estimator, vehicle16dof
+from fmus.controllers import high_level_lqr, low_level_pid, reference
+from fmus.sensors import gps, imu
 
-CATALOGUE: tuple[Component, ...] = ()
+CATALOGUE: tuple[Component, ...] = (
+    vehicle16dof.COMPONENT,
+    imu.COMPONENT,
+    gps.COMPONENT,
+    estimator.COMPONENT,
+    reference.COMPONENT,
+    high_level_lqr.COMPONENT,
+    low_level_pid.COMPONENT,
+)
