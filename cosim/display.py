@@ -36,7 +36,8 @@ def explainer(*, to_stderr: bool) -> Callable[[Plan], None]:
 
     def explain(plan: Plan) -> None:
         console = console_of(stderr=to_stderr)
-        for table in explanation(plan):
+        for title, table in explanation(plan):
+            console.print(title)
             console.print(table)
 
     return explain

@@ -13,17 +13,19 @@ from cosim.run import Plan
 from cosim.schedule import Schedule
 
 
-def explanation(plan: Plan) -> list[Table]:
-    """The tables: order of execution, edges, unit conversions (if any) and unconnected inputs (if any)."""
-    tables = [_order(plan), _edges(plan.nodes, plan.schedule), _conversions(plan.nodes), _unconnected(plan.nodes)]
-    return [table for table in tables if table.row_count]
+def explanation(plan: Plan) -> list[tuple[str, Table]]:
+    """Titles and tables: order of execution, edges, unit conversions (if any) and unconnected inputs (if any)."""
+    tables = {
+        f"{plan.scenario.name}: order at each tick (base tick {_ms(to_seconds(plan.schedule.tick))})": _order(plan),
+        "edges": _edges(plan.nodes, plan.schedule),
+        "unit conversions": _conversions(plan.nodes),
+        "inputs that hold their start value": _unconnected(plan.nodes),
+    }
+    return [(title, table) for title, table in tables.items() if table.row_count]
 
 
 def _order(plan: Plan) -> Table:
-    tick = to_seconds(plan.schedule.tick)
-    table = _table(f"{plan.scenario.name}: order at each tick (base tick {_ms(tick)})")
-    for column in ("step", "instance", "model", "kind", "period"):
-        table.add_column(column)
+    table = _table("step", "instance", "model", "kind", "period")
     for step, name in enumerate(plan.schedule.sampled + plan.schedule.continuous, start=1):
         node = plan.nodes[name]
         place = str(step) if node.face.kind == "sampled" else "then, together"
@@ -32,9 +34,7 @@ def _order(plan: Plan) -> Table:
 
 
 def _edges(nodes: Mapping[str, Node], schedule: Schedule) -> Table:
-    table = _table("edges")
-    for column in ("from", "to", "signals", "value read"):
-        table.add_column(column)
+    table = _table("from", "to", "signals", "value read")
     counts = Counter((c.source, c.target) for c in _connections(nodes))
     for (source, target), count in counts.items():
         table.add_row(source, target, str(count), _reading(source, target, schedule))
@@ -50,9 +50,7 @@ def _reading(source: str, target: str, schedule: Schedule) -> str:
 
 
 def _conversions(nodes: Mapping[str, Node]) -> Table:
-    table = _table("unit conversions")
-    for column in ("connection", "from", "to", "factor", "offset"):
-        table.add_column(column)
+    table = _table("connection", "from", "to", "factor", "offset")
     for c in _connections(nodes):
         if not c.conversion.trivial:
             units = (nodes[c.source].face.ports[c.output].unit, nodes[c.target].face.ports[c.input].unit)
@@ -63,9 +61,7 @@ def _conversions(nodes: Mapping[str, Node]) -> Table:
 
 
 def _unconnected(nodes: Mapping[str, Node]) -> Table:
-    table = _table("inputs that hold their start value")
-    table.add_column("instance")
-    table.add_column("inputs")
+    table = _table("instance", "inputs")
     for node in nodes.values():
         free = [name for name in node.face.inputs if name not in node.incoming]
         if free:
@@ -77,8 +73,8 @@ def _connections(nodes: Mapping[str, Node]) -> list[Connection]:
     return [connection for node in nodes.values() for connection in node.incoming.values()]
 
 
-def _table(title: str) -> Table:
-    return Table(title=title, title_justify="left", header_style="bold")
+def _table(*columns: str) -> Table:
+    return Table(*columns, header_style="bold")
 
 
 def _ms(seconds: float) -> str:

@@ -52,7 +52,7 @@ def load_results(folder: Path, periods: Mapping[str, float]) -> Results:
     if (folder / PARQUET).is_file():
         from pyarrow import parquet  # noqa: PLC0415  (slow to import)
 
-        return Results(parquet.read_table(folder / PARQUET), periods)
+        return Results(parquet.ParquetFile(folder / PARQUET).read(), periods)
     if (folder / STREAM).is_file():
         return Results(read_stream(folder / STREAM), periods)
     raise CosimError(f"{folder} holds no results")

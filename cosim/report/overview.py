@@ -36,6 +36,7 @@ def draw_overview(results: Results, file: Path, title: str) -> None:
         panel(results, axes)
         axes.set_xlabel("time [s]")
         axes.grid(alpha=0.3)
+        axes.margins(y=0.2)
         axes.legend(loc="upper right", ncols=4, fontsize="small")
     figure.savefig(file, dpi=80)
 
@@ -112,17 +113,19 @@ def _wheels(results: Results, axes: Any, axis: str, text: str) -> None:
 
 
 def _position_estimate(results: Results, axes: Any) -> None:
-    for i, name in enumerate(("position.x", "position.y")):
-        _estimate(results, axes, name, f"C{i}", 1.0)
+    limits = [_estimate(results, axes, name, f"C{i}", 1.0) for i, name in enumerate(("position.x", "position.y"))]
+    axes.set_ylim(-max(limits), max(limits))
     axes.set(title="error of the estimated position, 3-sigma bands", ylabel="m")
 
 
 def _yaw_estimate(results: Results, axes: Any) -> None:
-    _estimate(results, axes, "yaw", "C0", 180.0 / np.pi)
+    limit = _estimate(results, axes, "yaw", "C0", 180.0 / np.pi)
+    axes.set_ylim(-limit, limit)
     axes.set(title="error of the estimated yaw angle, 3-sigma band", ylabel="deg")
 
 
-def _estimate(results: Results, axes: Any, name: str, color: str, scale: float) -> None:
+def _estimate(results: Results, axes: Any, name: str, color: str, scale: float) -> float:
+    """Draw one error with its band; gives the height that shows all but the filter's first moments."""
     rows = _thinned(results.instants("filter"))
     time = results.time[rows]
     error = results[f"filter.estimate.{name}"][rows] - results[f"plant.{name}"][rows]
@@ -131,6 +134,7 @@ def _estimate(results: Results, axes: Any, name: str, color: str, scale: float) 
     band = 3.0 * scale * results[f"filter.std.{name}"][rows]
     axes.fill_between(time, -band, band, color=color, alpha=0.15, linewidth=0)
     axes.plot(time, scale * error, color=color, label=name)
+    return 1.5 * max(float(np.quantile(np.abs(scale * error), 0.99)), float(np.quantile(band, 0.95)), 1e-9)
 
 
 def _plot(results: Results, axes: Any, name: str, label: str, scale: float = 1.0, **style: Any) -> None:

@@ -1,0 +1,197 @@
+"""The command line as a user meets it, on small FMUs made with plain PythonFMU."""
+
+import json
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from cosim import scenarios
+from cosim.cli import main
+from cosim.results import load_results
+from cosim.scenario import Scenario, Setting
+from cosim.system import System
+
+SUMMARY = {
+    "scenario": str,
+    "status": str,
+    "reason": str,
+    "stop_time": float,
+    "wall_time": float,
+    "real_time_factor": float,
+    "seed": int,
+    "git": str,
+    "instances": dict,
+    "metrics": dict,
+}
+
+
+@pytest.fixture
+def cosim(tank, monkeypatch, tmp_path, capsys):
+    """Runs `cosim ARGS`; gives (exit code, stdout, stderr). The scenario `tanks` has the instances first and second."""
+
+    def build(settings):
+        system = System()
+        system.add("first", "Tank" if settings["source"] == "good" else str(tmp_path / "bad.fmu"), period=0.01)
+        system.add("second", "Tank", period=0.02)
+        system.connect("first", "second", {"inflow": "level"})
+        return system
+
+    scenario = Scenario(
+        name="tanks",
+        title="two tanks",
+        figures="none",
+        stop_time=1.0,
+        build=build,
+        find=lambda model: tank,
+        metrics=lambda results: {"level_last": float(results["second.level"][-1]), "nothing": float("nan")},
+        settings={"source": Setting("good", ("good", "bad"), "which file")},
+    )
+    known = scenarios.load
+    monkeypatch.setattr(scenarios, "load", lambda name: scenario if name == "tanks" else known(name))
+
+    def call(*args):
+        monkeypatch.setattr(sys, "argv", ["cosim", *args])
+        with pytest.raises(SystemExit) as end:
+            main()
+        captured = capsys.readouterr()
+        return end.value.code or 0, captured.out, captured.err
+
+    return call
+
+
+def test_a_run_writes_results_and_summary(cosim, tmp_path):
+    code, out, err = cosim("run", "tanks", "-o", str(tmp_path / "r"), "--set", "first.inflow=3", "--seed", "4")
+    assert (code, err) == (0, "")
+    assert "level_last" in out
+    assert str(tmp_path / "r") in out.replace("\n", "")
+    summary = json.loads((tmp_path / "r" / "summary.json").read_text())
+    assert {name: type(value) for name, value in summary.items()} == SUMMARY
+    assert (summary["status"], summary["seed"], summary["stop_time"]) == ("ok", 4, 1.0)
+    assert summary["instances"]["first"].keys() == {"model", "period", "calls", "time"}
+    assert [summary["instances"][name]["calls"] for name in ("first", "second")] == [100, 50]
+    results = load_results(tmp_path / "r", {"first": 0.01})
+    levels = [1.0]
+    for _ in range(100):
+        levels.append(levels[-1] + 0.01 * (3.0 - levels[-1]))
+    assert results["first.level"].tolist() == pytest.approx(levels, rel=1e-15)
+    assert summary["metrics"] == {"level_last": results["second.level"][-1], "nothing": None}
+
+
+def test_json_is_all_that_goes_to_stdout(cosim, tmp_path):
+    code, out, _ = cosim("run", "tanks", "-o", str(tmp_path), "--json", "--explain")
+    assert code == 0
+    assert json.loads(out)["scenario"] == "tanks"
+
+
+def test_quiet_says_nothing(cosim, tmp_path):
+    assert cosim("run", "tanks", "-o", str(tmp_path), "--quiet") == (0, "", "")
+
+
+def test_explain_shows_order_edges_and_free_inputs(cosim, tmp_path):
+    _, out, _ = cosim("run", "tanks", "-o", str(tmp_path), "--explain")
+    assert "base tick 10 ms" in out
+    assert "delay: the value at the communication point" in out
+    assert "inputs that hold their start value" in out
+
+
+def test_the_same_seed_gives_the_same_bytes(cosim, tmp_path):
+    for name in ("a", "b"):
+        cosim("run", "tanks", "-o", str(tmp_path / name), "--seed", "3")
+    files = [(tmp_path / name / "results.parquet").read_bytes() for name in ("a", "b")]
+    assert files[0] == files[1]
+
+
+@pytest.mark.parametrize(
+    ("args", "sentence"),
+    [
+        (["run", "high-sped-tracking"], "unknown scenario 'high-sped-tracking'; did you mean high-speed-tracking"),
+        (["run", "tanks", "--set", "fist.inflow=1"], "unknown instance 'fist'; did you mean first"),
+        (["run", "tanks", "--set", "first.inflw=1"], "unknown variable of first (CosimTestTank) 'inflw'; did you mean"),
+        (["run", "tanks", "--set", "scenario.sorce=bad"], "unknown setting of tanks 'sorce'; did you mean source"),
+        (["run", "tanks", "--set", "scenario.source=ugly"], "scenario.source = 'ugly' is not one of good, bad"),
+        (["run", "tanks", "--set", "first.inflow=nan"], "first.inflow = nan is not a finite number"),
+        (["run", "tanks", "--set", "first.level=1"], "first.level is an output"),
+        (["run", "tanks", "--set", "nonsense"], "cannot read 'nonsense'"),
+        (["run", "tanks", "--stop-time", "0"], "the stop time is 0 s; it must be positive"),
+        (["run", "tanks", "--set", "scenario.source=bad"], "there is no file"),
+    ],
+)
+def test_mistakes_are_one_sentence(cosim, tmp_path, args, sentence):
+    code, out, err = cosim(*args, "-o", str(tmp_path / "r"))
+    assert code == 1
+    assert out == ""
+    assert err.startswith("cosim: ")
+    assert err.count("\n") == 1
+    assert sentence in err
+
+
+def test_an_unwritable_folder(cosim, tmp_path):
+    (tmp_path / "file").write_text("")
+    code, _, err = cosim("run", "tanks", "-o", str(tmp_path / "file" / "r"))
+    assert (code, err.count("\n")) == (1, 1)
+    assert "cannot write into" in err
+
+
+def test_a_discard_keeps_the_results_so_far(cosim, tmp_path):
+    code, _, err = cosim("run", "tanks", "-o", str(tmp_path), "--set", "second.fail_at=0.5", "--no-report")
+    assert code == 1
+    assert err == (
+        "cosim: second failed at 0.5 s (discard): the tank leaks 100%s of its water; the results so far are kept\n"
+    )
+    assert json.loads((tmp_path / "summary.json").read_text())["status"] == "failed"
+    assert load_results(tmp_path, {}).time[-1] == 0.5
+
+
+def spoil(tank: Path, target: Path, change) -> None:
+    """A copy of the FMU with its entries as `change` gives them: {name: bytes} -> {name: bytes}."""
+    with zipfile.ZipFile(tank) as source:
+        entries = {name: source.read(name) for name in source.namelist() if not name.endswith("/")}
+    with zipfile.ZipFile(target, "w") as sink:
+        for name, data in change(entries).items():
+            sink.writestr(name, data)
+
+
+def _edit(old, new):
+    def change(entries):
+        xml = entries["modelDescription.xml"]
+        assert old in xml
+        return entries | {"modelDescription.xml": xml.replace(old, new, 1)}
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        (lambda e: {n: d for n, d in e.items() if n != "modelDescription.xml"}, "has no modelDescription.xml"),
+        (lambda e: {n: d for n, d in e.items() if not n.startswith("binaries/")}, "has no binary for"),
+        (lambda e: e | {"../escape.txt": b"x"}, "leads out of the archive"),
+        (lambda e: e | {"/etc/escape": b"x"}, "leads out of the archive"),
+        (lambda e: e | {"modelDescription.xml": b"<fmiModelDescription"}, "invalid modelDescription.xml"),
+        (_edit(b'fmiVersion="2.0"', b'fmiVersion="3.0"'), "invalid modelDescription.xml"),
+        (_edit(b"?>", b'?><!DOCTYPE a [<!ENTITY x SYSTEM "file:///etc/passwd">]>'), "declares a document type"),
+    ],
+)
+def test_foreign_and_corrupt_fmus(cosim, tank, tmp_path, change, sentence):
+    spoil(tank, tmp_path / "bad.fmu", change)
+    code, out, err = cosim("run", "tanks", "-o", str(tmp_path / "r"), "--set", "scenario.source=bad")
+    assert (code, out, err.count("\n")) == (1, "", 1)
+    assert sentence in err
+    assert not list(tmp_path.parent.glob("escape*"))
+
+
+def test_a_file_that_is_no_archive(cosim, tmp_path):
+    (tmp_path / "bad.fmu").write_bytes(b"not a zip file")
+    code, _, err = cosim("run", "tanks", "-o", str(tmp_path / "r"), "--set", "scenario.source=bad")
+    assert (code, err.count("\n")) == (1, 1)
+    assert "is not a readable zip archive" in err
+
+
+def test_list_names_every_scenario_and_its_figures(cosim):
+    code, out, _ = cosim("list")
+    assert code == 0
+    listed = json.loads(cosim("list", "--json")[1])
+    assert {"high-speed-tracking", "lateral-tracking", "longitudinal-tracking"} <= {entry["name"] for entry in listed}
+    assert all(entry["name"] in out and entry["figures"] for entry in listed)

@@ -1,0 +1,91 @@
+"""A whole run on slaves of lambdas: what is kept when it ends early."""
+
+import os
+import signal
+
+import pytest
+from cosim_mocks import Mock, face
+
+from cosim.assembly import assemble
+from cosim.explain import explanation
+from cosim.results import load_results
+from cosim.run import Plan, execute
+from cosim.scenario import Scenario
+from cosim.schedule import schedule
+from cosim.system import System
+
+
+def plan_of(system: System, mocks: dict[str, Mock], stop: int = 10**9) -> Plan:
+    nodes = assemble(system, {name: mock.face for name, mock in mocks.items()}, 0)
+    scenario = Scenario("mocked", "", "", 1.0, lambda settings: system, find=lambda model: None)
+    return Plan(scenario, nodes, schedule(nodes), stop, 0)
+
+
+def single(step, **options):
+    system = System()
+    system.add("plant", "Mock")
+    mock = Mock(face({}, {"y": "m"}, step=0.001, **options), step)
+    return plan_of(system, {"plant": mock}), mock
+
+
+@pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_interrupts_between_ticks_and_keeps_the_results(tmp_path, kind):
+    def step(time, length, inputs):
+        if time == 0.3:
+            os.kill(os.getpid(), kind)
+        return {"y": time}
+
+    plan, mock = single(step)
+    before = signal.getsignal(kind)
+    outcome = execute(plan, {"plant": mock}, tmp_path)
+    assert outcome.status == "interrupted"
+    assert 0.3 <= outcome.time / 1e9 < 0.4
+    assert load_results(tmp_path, {}).time[-1] == outcome.time / 1e9
+    assert signal.getsignal(kind) == before
+
+
+def test_a_failing_step_keeps_the_rows_before_it(tmp_path):
+    plan, mock = single(lambda t, h, u: 3 if t >= 0.5 else {"y": t})
+    outcome = execute(plan, {"plant": mock}, tmp_path)
+    assert outcome.reason == "plant failed at 0.5 s (error): the FMU gave no reason"
+    assert len(load_results(tmp_path, {}).time) == 500
+
+
+def test_a_failing_initialisation_is_reported(tmp_path):
+    plan, mock = single(lambda t, h, u: {})
+    mock.refuses, mock.reason = True, "mass must be positive"
+    outcome = execute(plan, {"plant": mock}, tmp_path)
+    assert (outcome.status, outcome.time) == ("failed", 0)
+    assert outcome.reason == "mock failed at initialisation (error): mass must be positive"
+
+
+def test_progress_is_reported_in_nanoseconds_up_to_the_end(tmp_path):
+    plan, mock = single(lambda t, h, u: {"y": t})
+    seen = []
+    execute(plan, {"plant": mock}, tmp_path, seen.append)
+    assert seen == sorted(seen)
+    assert seen[-1] == 999_000_000
+
+
+def test_calls_and_time_are_accounted_per_instance(tmp_path):
+    plan, mock = single(lambda t, h, u: {"y": sum(range(1000))})
+    outcome = execute(plan, {"plant": mock}, tmp_path)
+    assert outcome.calls == {"plant": 1000}
+    assert 0 < outcome.times["plant"] < outcome.wall
+
+
+def test_a_broken_cycle_and_a_conversion_are_explained():
+    system = System()
+    system.add("slow", "Mock", period=0.1)
+    system.add("fast", "Mock", period=0.01)
+    system.connect("slow", "fast", {"b": "a"})
+    system.connect("fast", "slow", {"x": "y"})
+    mocks = {
+        "slow": Mock(face({"x": "m"}, {"a": "m"}), lambda t, h, u: {}),
+        "fast": Mock(face({"b": "mm"}, {"y": "m"}), lambda t, h, u: {}),
+    }
+    tables = dict(explanation(plan_of(system, mocks)))
+    edges = list(tables["edges"].columns[3].cells)
+    assert [text.startswith("delay: a cycle is broken here") for text in edges] == [False, True]
+    assert list(tables["unit conversions"].columns[0].cells) == ["slow.a -> fast.b"]
+    assert list(tables["unit conversions"].columns[3].cells) == ["1000"]
