@@ -67,7 +67,7 @@ def test_without_errors_it_measures_the_motion_of_its_own_place(imu):
     for k in (520, 700, 1130, 2400):
         t = k * T
         acceleration = (velocity_of_place(t + h)[0] - velocity_of_place(t - h)[0]) / (2 * h)
-        force = velocity_of_place(t)[1].T @ (acceleration + [0, 0, 9.81])
+        force = velocity_of_place(t)[1].T @ (acceleration + np.array([0, 0, 9.81]))
         assert np.allclose([seen[f"accelerometer.{axis}"][k] for axis in "xyz"], force, atol=2e-6)
         assert np.allclose([seen[f"gyroscope.{axis}"][k] for axis in "xyz"], motion()(t)[3].full().ravel(), atol=1e-12)
 

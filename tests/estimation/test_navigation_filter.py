@@ -1,0 +1,205 @@
+"""The whole filter behind its sensors: consistency, latency, lever arms, outages and outliers. No plant needed."""
+
+import numpy as np
+import pytest
+from navigation_truth import TYRE, T, navigate, run, suspension, truth
+
+from fmukit.direct import Direct
+from fmus.estimator.profiles import profile
+
+SEEDS = 20
+ESTIMATED = {
+    "position.x": "truth.position.x",
+    "position.y": "truth.position.y",
+    "yaw": "truth.yaw",
+    "velocity.x": "truth.velocity.x",
+    "velocity.y": "truth.velocity.y",
+    "roll": "truth.roll",
+    "pitch": "truth.pitch",
+}
+PERFECT_IMU = {
+    f"{device}.{error}": 0.0
+    for device in ("gyroscope", "accelerometer")
+    for error in ("noise_density", "turn_on_bias", "bias_walk", "scale_error", "resolution")
+}
+PERFECT_GPS = {"position.noise": 0.0, "position.correlated_noise": 0.0, "velocity.noise": 0.0, "heading.noise": 0.0}
+
+
+def errors(y, signals=None):
+    """Estimate minus truth by name."""
+    signals = signals or truth()
+    return {name: y[f"estimate.{name}"] - signals[true] for name, true in ESTIMATED.items()}
+
+
+def new_fixes(y):
+    return np.flatnonzero(np.diff(y["gps.fix_count"]) > 0) + 1
+
+
+def rms(values):
+    return float(np.sqrt(np.mean(values**2)))
+
+
+@pytest.fixture(scope="module")
+def runs(chain):
+    """Nominal runs; the filter believes the tyres to be 10 % stiffer than they are."""
+    signals = truth() | suspension(truth(), 0.9 * TYRE)
+    return [navigate(seed, *chain, signals=signals) for seed in range(SEEDS)]
+
+
+@pytest.mark.parametrize("name, freedom", [("heading", 1), ("position", 4)])
+def test_innovations_are_as_large_as_the_filter_believes(runs, name, freedom):
+    means = np.array([y[f"nis.{name}"][new_fixes(y)].mean() for y in runs])
+    count = len(new_fixes(runs[0]))
+    half = 1.96 * np.sqrt(2 * freedom / count)
+    assert abs(means.mean() - freedom) < half / np.sqrt(SEEDS)
+    assert np.mean(np.abs(means - freedom) < half) >= 0.85
+
+
+def test_errors_are_as_large_as_the_filter_believes(runs):
+    for name in ("position.x", "position.y", "yaw", "velocity.x", "velocity.y"):
+        ratio = np.mean([np.mean((errors(y)[name] / y[f"std.{name}"])[400:] ** 2) for y in runs])
+        assert 0.5 < ratio < 1.6, name
+
+
+def test_errors_are_small(runs):
+    limits = {"position.x": 0.02, "position.y": 0.02, "yaw": 0.0015, "velocity.x": 0.015, "velocity.y": 0.05}
+    limits |= {"roll": 1e-3, "pitch": 6e-4}
+    for name, limit in limits.items():
+        assert np.mean([rms(errors(y)[name][400:]) for y in runs]) < limit, name
+
+
+def test_late_fixes_are_used_as_if_they_had_come_in_time(chain):
+    """Between the report of a fix and the next fix, a receiver 50 ms late gives what one without latency gives."""
+    late, prompt = (navigate(3, *chain, settings={"gps": {"latency": latency}}) for latency in (0.05, 0.0))
+    phase = np.round(truth()["time"] / T).astype(int) % 20
+    both_know_the_same = (phase >= 10) & (truth()["time"] > 0.05)
+    for name in (*(f"estimate.{n}" for n in ESTIMATED), "std.yaw", "std.position.x", "std.velocity.y"):
+        gap = np.abs(late[name] - prompt[name])
+        assert np.max(gap[both_know_the_same]) < 1e-9, name
+    assert np.max(np.abs(late["estimate.yaw"] - prompt["estimate.yaw"])) > 1e-5
+
+
+def test_longest_latency_costs_accuracy_but_not_consistency(chain):
+    y = navigate(5, *chain, settings={"gps": {"latency": 0.3}})
+    assert y["fix.refused_count"][-1] <= 3  # taken before the filter's start
+    assert y["nis.position"][new_fixes(y)[5:]].mean() == pytest.approx(4, abs=0.6)
+    assert rms(errors(y)["position.y"][400:]) < 0.05
+
+
+def test_lever_arms_vanish_with_perfect_sensors(chain):
+    arms = {"imu.position.x": 0.9, "imu.position.y": -0.5, "imu.position.z": 0.4}
+    antenna = {"antenna.position.x": -1.2, "antenna.position.y": 0.6, "antenna.position.z": 1.3}
+    settings = {"imu": PERFECT_IMU | arms, "gps": PERFECT_GPS | antenna, "filter": arms | antenna}
+    e = errors(navigate(1, *chain, settings=settings))
+    limits = {"position.x": 1e-3, "position.y": 1e-3, "yaw": 1e-5, "velocity.x": 2e-3, "velocity.y": 2e-3}
+    for name, limit in limits.items():
+        assert np.max(np.abs(e[name][400:])) < limit, name
+    forgotten = settings | {"filter": arms | {"antenna.position.y": 0.0}}
+    assert np.max(np.abs(errors(navigate(1, *chain, settings=forgotten))["position.y"][400:])) > 0.1
+
+
+def test_perfect_sensors_navigate_without_any_fix(chain):
+    """16 s of dead reckoning over roll, pitch, turns and braking: the equations have no term missing."""
+    settings = {"imu": PERFECT_IMU, "gps": {"outage.duration": 100.0}, "filter": {"noise.gyroscope": 1e-7}}
+    y = navigate(1, *chain, settings=settings)
+    assert y["fix.used_count"][-1] == 0
+    for name in ("position.x", "position.y"):
+        assert np.max(np.abs(errors(y)[name])) < 0.05
+        assert np.max(np.abs(errors(y)["yaw"])) < 1e-5
+
+
+def test_an_outage_of_two_seconds_is_survived(chain):
+    worst, ratio = [], []
+    for seed in range(6):
+        y = navigate(seed, *chain, settings={"gps": {"outage.start": 7.0, "outage.duration": 2.0}})
+        inside = (truth()["time"] > 7.1) & (truth()["time"] < 9.0)
+        e = errors(y)
+        worst.append(max(np.max(np.abs(e[f"position.{axis}"][inside])) for axis in "xy"))
+        ratio += [np.mean((e[f"position.{axis}"] / y[f"std.position.{axis}"])[inside] ** 2) for axis in "xy"]
+        assert y["std.position.y"][1795] > 2 * y["std.position.y"][1395]
+        assert rms(e["position.y"][2000:]) < 0.03
+        assert y["fix.refused_count"][-1] == 0
+    assert max(worst) < 0.35
+    assert np.mean(ratio) < 2.5
+
+
+def test_outliers_are_refused_and_counted(chain):
+    imu, gps, estimator = chain
+    inertial = run(imu[0], truth(), {"seed": 2}, kernel=imu[1])
+    satellite = run(gps[0], truth(), {"seed": 3}, every=2, kernel=gps[1])
+    held = {name: np.repeat(values, 2)[: len(truth()["time"])] for name, values in satellite.items()}
+    held["gps.position.x"] = held["gps.position.x"] + 5.0 * (held["gps.fix_count"] == 50)
+    held["gps.heading"] = held["gps.heading"] + 0.3 * (held["gps.fix_count"] == 70)
+    y = run(estimator[0], truth() | inertial | held, {"initial.speed": 25.0}, kernel=estimator[1])
+    assert y["fix.refused_count"][-1] == 2
+    assert y["fix.used_count"][-1] == 158
+    assert np.max(np.abs(errors(y)["position.x"][400:])) < 0.1
+    assert np.max(np.abs(errors(y)["yaw"][400:])) < 0.006
+
+
+def test_a_wrong_start_is_recovered_from(chain):
+    lost = navigate(1, *chain, settings={"filter": {"initial.position.x": 80.0, "initial.yaw": 0.5}})
+    assert lost["fix.refused_count"][-1] == pytest.approx(10, abs=1)
+    assert rms(errors(lost)["position.x"][600:]) < 0.05
+
+
+def test_an_unknown_start_is_decided_by_the_first_fix(chain):
+    vague = {"initial.std.position": 1e5, "initial.std.yaw": 3.0, "initial.std.velocity": 100.0}
+    wrong = {"initial.position.x": -3e3, "initial.position.y": 500.0, "initial.yaw": 2.5, "initial.speed": 0.0}
+    y = navigate(1, *chain, settings={"filter": vague | wrong})
+    assert y["fix.refused_count"][-1] == 0
+    assert abs(errors(y)["position.x"][100]) < 0.2
+    assert abs(errors(y)["yaw"][100]) < 0.02
+    assert rms(errors(y)["velocity.y"][600:]) < 0.1
+
+
+@pytest.mark.parametrize("mode", ["dgps", "standalone"])
+def test_coarser_receivers_with_matching_assumptions(chain, mode):
+    from fmus.sensors.gps.profiles import profile as receiver  # noqa: PLC0415
+
+    settings = {"gps": receiver(mode), "filter": profile(gps=mode)}
+    outcomes = [navigate(seed, *chain, settings=settings) for seed in range(4)]
+    nis = np.mean([y["nis.position"][new_fixes(y)].mean() for y in outcomes])
+    ratio = np.mean([np.mean((errors(y)["position.y"] / y["std.position.y"]) ** 2) for y in outcomes])
+    assert nis == pytest.approx(4, abs=0.4)
+    assert 0.1 < ratio < 3.0
+
+
+def test_roll_and_pitch_come_from_suspension_and_tyres(runs):
+    y = runs[0]
+    assert np.max(np.abs(truth()["truth.roll"])) > 0.04
+    assert np.max(np.abs(errors(y)["roll"][400:])) < 0.0025
+    assert np.max(np.abs(errors(y)["pitch"][400:])) < 0.0015
+    ratio = np.mean([np.mean((errors(r)["roll"] / r["std.roll"])[400:] ** 2) for r in runs])
+    assert ratio < 1.5
+
+
+def test_rates_and_sideslip(runs):
+    y, signals = runs[0], truth()
+    assert rms(y["estimate.yaw_rate"] - np.gradient(signals["truth.yaw"], T)) < 0.004
+    assert rms(y["estimate.roll_rate"] - np.gradient(signals["truth.roll"], T)) < 0.004
+    assert rms(y["estimate.pitch_rate"] - np.gradient(signals["truth.pitch"], T)) < 0.004
+    slip = np.arctan2(signals["truth.velocity.y"], signals["truth.velocity.x"])
+    assert rms((y["estimate.sideslip"] - slip)[400:]) < 0.002
+
+
+def test_invalid_fixes_and_standing_still_change_nothing_but_the_uncertainty(chain):
+    component, kernel = chain[2]
+    still = {"accelerometer.z": 9.81, "gps.position.x": 40.0}
+    estimator = Direct(component, {}, still, kernel=kernel)
+    for k in range(400):
+        estimator.set({"gps.fix_count": k // 20, "gps.valid": 0.0})
+        estimator.sample()
+    assert estimator["fix.used_count"] == 0
+    assert abs(estimator["estimate.position.x"]) < 1e-9
+    assert estimator["std.position.x"] > 0.7
+
+
+def test_profile_of_the_assumptions_is_the_default():
+    starts = profile()
+    from fmus.estimator import COMPONENT  # noqa: PLC0415
+
+    declared = {v.name: v.start for v in COMPONENT.interface.select("parameter")}
+    assert all(declared[name] == value for name, value in starts.items())
+    with pytest.raises(ValueError, match="automotive, tactical"):
+        profile(imu="space")
