@@ -27,12 +27,12 @@ def contact(p: Signals, n: ca.SX, s: ca.SX, *, height: ca.SX, v: ca.SX, omega: c
 
     v, omega: velocity of the centre and angular velocity of the knuckle. With the camber component n.s = sin(gamma),
     |s x n| = |n - (n.s) s| = cos(gamma), so directions need one square root; it is kept from zero
-    for a car on its side.
+    for a car on its side. In the air the contact is the lowest point of the tyre, without force.
     """
     tilt = ca.dot(n, s)
     inverse = 1 / ca.sqrt(ca.fmax(1 - tilt * tilt, 1e-4))
     x, y = ca.cross(s, n) * inverse, (s - tilt * n) * inverse
-    r = height * inverse
+    r = ca.fmin(height * inverse, p["wheel.radius"])
     arm = (tilt * s - n) * (inverse * r)
     velocity = v + ca.cross(omega, arm)
     delta = p["wheel.radius"] - r

@@ -16,6 +16,9 @@ from fmukit.kernel import Signals
 from fmus.vehicle16dof import magic
 from fmus.vehicle16dof.contact import Contact
 
+FASTEST = 1000.0
+"""Fastest decay [1/s] of a transient slip, for wheels spinning wildly; stable in steps of 1 ms (engineering choice)."""
+
 Slips = tuple[ca.SX, ca.SX]
 """(kappa', tan(alpha'))."""
 
@@ -54,11 +57,10 @@ def slip_rates(k: TyreData, c: Contact, spin: ca.SX, slips: Slips) -> Slips:
     speed = ca.fabs(c.V_x)
     fast = ca.fmax(ca.fmin((speed / k["low_speed.speed"] - 1) / 3, 1), 0)
     limit = k["low_speed.slip"] + (k["slip_limit"] - k["low_speed.slip"]) * fast
-    along, across = ca.fmax(speed, ca.fabs(V_sx) / limit), ca.fmax(speed, ca.fabs(c.V_y) / limit)
-    return (
-        -(V_sx + along * kappa) / k["relaxation.longitudinal"],
-        (c.V_y - across * tangent) / k["relaxation.lateral"],
-    )
+    sigma_x, sigma_y = k["relaxation.longitudinal"], k["relaxation.lateral"]
+    along = ca.fmin(ca.fmax(speed, ca.fabs(V_sx) / limit), FASTEST * sigma_x)
+    across = ca.fmin(ca.fmax(speed, ca.fabs(c.V_y) / limit), FASTEST * sigma_y)
+    return -(V_sx + along * kappa) / sigma_x, (c.V_y - across * tangent) / sigma_y
 
 
 def force(k: TyreData, c: Contact, road: ca.SX, spin: ca.SX, slips: Slips) -> TyreForce:

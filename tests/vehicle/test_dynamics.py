@@ -5,6 +5,7 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 import pytest
+from vehicle_oracle import car_model, inertia, pin_equations, rotation, start_model
 
 from fmukit.kernel import symbols
 from fmus.vehicle16dof import appell, tree
@@ -16,36 +17,14 @@ pin = pytest.importorskip("pinocchio")
 SAMPLES = 1000
 
 
-def inertia(mass: float, moment: np.ndarray, about_origin: np.ndarray) -> pin.Inertia:
-    c = moment / mass if mass else np.zeros(3)
-    return pin.Inertia(mass, c, about_origin - mass * (c @ c * np.eye(3) - np.outer(c, c)))
-
-
 def positive(rng: np.random.Generator, size: float) -> np.ndarray:
     A = rng.normal(size=(3, 3))
     return size * (A @ A.T + 0.1 * np.eye(3))
 
 
-def pin_equations(model: pin.Model, q: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    data = model.createData()
-    M = pin.crba(model, data, q)
-    return np.triu(M) + np.triu(M, 1).T, pin.nonLinearEffects(model, data, q, u)
-
-
-def start_model(body: pin.Inertia) -> pin.Model:
-    model = pin.Model()
-    base = model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "base")
-    model.appendBodyToJoint(base, body, pin.SE3.Identity())
-    return model
-
-
 def random_attitude(rng: np.random.Generator) -> np.ndarray:
     q = rng.normal(size=4)
     return q / np.linalg.norm(q)  # pinocchio: x, y, z, w
-
-
-def rotation(q: np.ndarray) -> np.ndarray:
-    return pin.Quaternion(q[3], *q[:3]).toRotationMatrix()
 
 
 ANTECEDENTS = (0, 1, 2, 0, 4, 0, 6, 6, 8, 9)
@@ -108,27 +87,6 @@ def random_parameters(rng: np.random.Generator) -> np.ndarray:
         if varied and start == 0.0:
             values[-1] = rng.uniform(0, 300) if v.name == "payload.mass" else rng.uniform(-0.3, 0.3)
     return np.array(values)
-
-
-def car_model(p: dict[str, float], d: dict[str, np.ndarray]) -> pin.Model:
-    """The car as a Pinocchio tree, from its geometry, without the DH table."""
-    xx, yy, zz, xy, xz, yz = d["inertia"]
-    J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    model = start_model(inertia(d["mass"][0], d["mass_moment"], J))
-    knuckle = pin.Inertia(p["knuckle.mass"], np.zeros(3), np.diag([p[f"knuckle.inertia.{a}"] for a in "xyz"]))
-    across, spin = p["wheel.inertia.diametral"], p["wheel.inertia.spin"]
-    wheel = pin.Inertia(p["wheel.mass"], np.zeros(3), np.diag([across, spin, across]))
-    for corner in CORNERS:
-        x = p["geometry.front_axle"] if corner.steered else -p["geometry.rear_axle"]
-        y = corner.side * p[f"geometry.track_{corner.axle}"] / 2
-        place = pin.SE3(np.eye(3), np.array([x, y, -p[f"geometry.wheel_drop_{corner.axle}"]]))
-        joint = model.addJoint(1, pin.JointModelPZ(), place, f"travel.{corner.name}")
-        if corner.steered:
-            joint = model.addJoint(joint, pin.JointModelRZ(), pin.SE3.Identity(), f"steer.{corner.name}")
-        model.appendBodyToJoint(joint, knuckle, pin.SE3.Identity())
-        joint = model.addJoint(joint, pin.JointModelRY(), pin.SE3.Identity(), f"wheel.{corner.name}")
-        model.appendBodyToJoint(joint, wheel, pin.SE3.Identity())
-    return model
 
 
 @pytest.fixture(scope="module")
