@@ -1,0 +1,45 @@
+"""The whole loop of high-speed-tracking through its FMUs, recorder on: real-time factor and who takes the time."""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from cosim.run import Request, run
+from cosim.scenarios import load
+
+_RUNS = 7
+
+
+@dataclass(frozen=True, slots=True)
+class ClosedLoop:
+    """Medians over the runs: `share` of the wall time per instance, and of the master for all the rest."""
+
+    real_time_factor: float
+    microseconds_per_call: dict[str, float]
+    share: dict[str, float]
+
+
+def measure(name: str = "high-speed-tracking") -> ClosedLoop:
+    """Run the scenario several times in this process; results go to a scratch folder."""
+    scenario = load(name)
+    with tempfile.TemporaryDirectory() as folder:
+        summaries = [run(Request(scenario, Path(folder) / str(i)))[0] for i in range(_RUNS + 1)][1:]
+    instances = summaries[0]["instances"]
+    share = {name: median(_share(s, name) for s in summaries) for name in instances}
+    return ClosedLoop(
+        real_time_factor=median(s["real_time_factor"] for s in summaries),
+        microseconds_per_call={n: median(_microseconds(s["instances"][n]) for s in summaries) for n in instances},
+        share=share | {"master": median(1.0 - sum(_share(s, n) for n in instances) for s in summaries)},
+    )
+
+
+def _share(summary: dict[str, Any], name: str) -> float:
+    return float(summary["instances"][name]["time"] / summary["wall_time"])
+
+
+def _microseconds(instance: dict[str, Any]) -> float:
+    return float(instance["time"] / instance["calls"] * 1e6)
