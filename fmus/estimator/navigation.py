@@ -10,7 +10,7 @@ import casadi as ca
 from fmukit.kernel import Layout
 
 STATE = Layout(heading=1, gyroscope_bias=1, position=2, velocity=2, accelerometer_bias=2, gps_error=2)
-"""psi [rad], b_g [rad/s] (stage 1); p [m] world, w [m/s] level, b_a [m/s2] level, c [m] slow receiver error (stage 2)."""
+"""psi [rad], b_g [rad/s] (stage 1); p [m] world, w [m/s] and b_a [m/s2] level, c [m] slow receiver error (stage 2)."""
 STAGE_1, STAGE_2 = slice(0, 2), slice(2, 10)
 PACKED = STATE.size * (STATE.size + 1) // 2
 BELIEF = Layout(mean=STATE.size, covariance=PACKED)
