@@ -13,8 +13,10 @@ STATES = Layout(
     started=1,  # 0 before the first sample, which starts the zero dynamics at their equilibrium
     zero_dynamics=2,  # sideslip and yaw rate of the linear single-track on the reference [rad, rad/s]
     integrals=2,  # of the longitudinal and lateral errors [m s]
+    sideslip=1,  # slow part of measured minus expected sideslip [rad]
 )
 DERIVED = Layout(terminal=10)
+_MOVING = 5.0  # m/s; below it the integrals grow more slowly, at rest not at all
 _ERRORS = ("longitudinal", "speed", "lateral", "yaw")
 _WEIGHTS = (*_ERRORS, "acceleration", "yaw_rate")
 _PARAMETERS = INTERFACE.names("parameter")
@@ -69,16 +71,19 @@ def _control() -> ca.Function:
     steady = inversion.steady(p, reference["speed"], reference["curvature"])
     z = ca.if_else(state["started"], state["zero_dynamics"], steady)
     velocity = u.vector("estimate.velocity", "xy")
-    e = tracking.path_errors(u.vector("estimate.position", "xy"), u["estimate.yaw"], velocity, reference, z[0])
-    du, integrals = _feedback(p, K, e, state["integrals"])
+    beta = ca.atan2(velocity[1], ca.fmax(velocity[0], 1.0))
+    slow = state["sideslip"]
+    e = tracking.path_errors(u.vector("estimate.position", "xy"), u["estimate.yaw"], velocity, reference, z[0] + slow)
+    moving = ca.fmin(ca.fmax(reference["speed"] / _MOVING, 0), 1)
+    du, integrals = _feedback(p, K, e, state["integrals"], moving)
     values = _commands(p, z, path, _ahead(u, "acceleration"), du)
     values |= {f"error.{name}": e[i] for i, name in enumerate(_ERRORS)}
-    course = u["estimate.yaw"] + ca.atan2(velocity[1], ca.fmax(velocity[0], 1.0))
-    values["error.course"] = tracking.wrap(course - reference["course"])
+    values["error.course"] = tracking.wrap(u["estimate.yaw"] + beta - reference["course"])
     values |= {"feedforward.sideslip": z[0], "feedforward.yaw_rate": z[1]}
     values |= {"feedback.acceleration": du[0], "feedback.yaw_rate": du[1]}
+    learnt = slow + (1 - ca.exp(-p["sample_period"] / p["sideslip_time"])) * (beta - z[0] - slow)
     later = inversion.propagate(p, z, path, p["sample_period"], 2)
-    after = STATES.join({"started": ca.SX(1), "zero_dynamics": later, "integrals": integrals})
+    after = STATES.join({"started": ca.SX(1), "zero_dynamics": later, "integrals": integrals, "sideslip": learnt})
     return ca.Function("control", [p.column, u.column, x, K], [after, stack(INTERFACE.names("output"), values)])
 
 
@@ -88,13 +93,13 @@ def _ahead(u: Signals, name: str) -> inversion.Ahead:
     return inversion.polynomial(ca.vertcat(*nodes), PREVIEW_PERIOD)
 
 
-def _feedback(p: Signals, K: ca.SX, e: ca.SX, integrals: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Limited (da, dw) = -K e - integral terms, and the next integrals, frozen where the limit is reached."""
+def _feedback(p: Signals, K: ca.SX, e: ca.SX, integrals: ca.SX, moving: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Limited (da, dw) = -K e - integral terms, and the next integrals, frozen at the limit and at rest."""
     gains = ca.vertcat(p["integral.longitudinal"], p["integral.lateral"])
     limits = ca.vertcat(p["limit.acceleration"], p["limit.yaw_rate"])
     wanted = -(K @ e) - gains * integrals
     du = ca.fmin(ca.fmax(wanted, -limits), limits)
-    growth = p["sample_period"] * ca.vertcat(e[0], e[2])
+    growth = moving * p["sample_period"] * ca.vertcat(e[0], e[2])
     return du, integrals + (du == wanted) * growth
 
 

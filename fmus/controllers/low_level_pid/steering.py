@@ -58,12 +58,12 @@ def servo(
 ) -> tuple[ca.SX, ca.SX, ca.SX]:
     """Torques (2) [N.m], next integrals (2) and saturation 0/1 from the (angle, rate) wanted and measured.
 
-    T = J (3 lambda e' + 3 lambda^2 e + lambda^3 int e) + b delta' + t F_y / 2: damping and aligning moment fed forward.
+    T = J (3 lambda e' + 3 lambda^2 e + lambda^3 int e) + b delta' + t F_y / 2: damping and aligning moment made up for.
     """
     limit_ = p["steering.torque_limit"]
     error, rate = wanted[0] - measured[0], wanted[1] - measured[1]
     computed = p["design.steer_inertia"] * triple_pole(p["steering.pole"], rate, error, integral)
-    opposing = p["design.steer_damping"] * wanted[1] + p["design.pneumatic_trail"] * trail_force / 2
+    opposing = p["design.steer_damping"] * measured[1] + p["design.pneumatic_trail"] * trail_force / 2
     demanded = p["steering.enabled"] * (computed + opposing)
     torque = limit(demanded, -limit_, limit_)
     saturated = torque != demanded
