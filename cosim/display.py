@@ -83,13 +83,15 @@ def scenario_table(scenarios: Sequence[Scenario]) -> Table:
 def show(summary: Mapping[str, Any], folder: Path) -> None:
     """The metrics, what the run cost, and where the results are."""
     console = console_of()
-    table = Table(title=f"{summary['scenario']}, seed {summary['seed']}: {summary['status']}", header_style="bold")
+    table = Table(header_style="bold")
     table.add_column("metric")
     table.add_column("value", justify="right")
     table.add_column("unit")
     for name, value in summary["metrics"].items():
         table.add_row(name, *_readable(name, value))
-    console.print(table)
+    console.print(f"{summary['scenario']}, seed {summary['seed']}: {summary['status']}")
+    if table.row_count:
+        console.print(table)
     speed = (
         f"{summary['wall_time']:.2f} s for {summary['stop_time']:g} s, {summary['real_time_factor']:.1f} x real time"
     )

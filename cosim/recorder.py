@@ -16,7 +16,7 @@ from cosim.slave import Vector
 
 STREAM = "results.arrows"
 PARQUET = "results.parquet"
-_ROWS = 1024
+_ROWS = 512
 _PATIENCE = 0.5  # [s] of wall time
 _ARRAY = re.compile(r"\[\d+]")
 
@@ -35,16 +35,18 @@ class Recorder:
     def __init__(self, folder: Path, vector: Vector, signals: Sequence[Signal], chosen: Sequence[int]) -> None:
         self._folder = folder
         self._index = np.array([0, *(1 + i for i in chosen)])
-        self._schema = _schema([signals[i] for i in chosen])
         self._chunk = np.zeros((_ROWS, len(self._index)))
         self._rows = list(self._chunk)
+        self._columns = np.zeros(self._chunk.T.shape)
+        schema = _schema([signals[i] for i in chosen])
+        self._batch = pa.record_batch([pa.array(column) for column in self._columns], schema=schema)
         self._take = vector.take
         self._filled = 0
         self._flushed = monotonic()
         folder.mkdir(parents=True, exist_ok=True)
         (folder / PARQUET).unlink(missing_ok=True)
-        self._sink = (folder / STREAM).open("wb")
-        self._writer = pa.ipc.new_stream(self._sink, self._schema)
+        self._sink = pa.OSFile(str(folder / STREAM), "wb")
+        self._writer = pa.ipc.new_stream(self._sink, schema)
         self.flush()  # an empty chunk writes the schema, so that the stream can be read from now on
 
     def __call__(self) -> None:
@@ -55,10 +57,8 @@ class Recorder:
 
     def flush(self) -> None:
         """Append the rows gathered so far to the stream and hand them to the operating system."""
-        columns = np.ascontiguousarray(self._chunk[: self._filled].T)
-        arrays = [pa.array(column) for column in columns]
-        self._writer.write_batch(pa.record_batch(arrays, schema=self._schema))
-        self._sink.flush()
+        self._columns[:, : self._filled] = self._chunk[: self._filled].T  # the batch shows this memory
+        self._writer.write_batch(self._batch.slice(0, self._filled))
         self._filled = 0
         self._flushed = monotonic()
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
@@ -24,6 +24,7 @@ from cosim.slave import Slave, SlaveError
 from cosim.summary import summarise, write_summary
 
 Progress = Callable[[int], None]
+Load = Callable[[], Mapping[str, Slave]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,25 +66,25 @@ def run(
         nodes = assemble(system, loader.faces(system), request.seed)
         plan = Plan(scenario, nodes, schedule(nodes), stop, request.seed)
         explain(plan)
-        outcome = execute(plan, loader.slaves(system, nodes), request.folder, progress)
+        outcome = execute(plan, lambda: loader.slaves(system, nodes), request.folder, progress)
     return _conclude(plan, outcome, request.folder)
 
 
-def execute(plan: Plan, slaves: dict[str, Slave], folder: Path, progress: Progress = lambda _time: None) -> Outcome:
-    """Initialise and run the slaves, recording into `folder`."""
-    master = Master(plan.nodes, plan.schedule, slaves)
-    try:
-        recorder = Recorder(folder, master.vector, master.signals, recorded(master.signals))
-    except OSError as error:
-        raise CosimError(f"cannot write into {folder}: {error.strerror}") from None
-    try:
-        with _interrupts() as interrupted:
+def execute(plan: Plan, load: Load, folder: Path, progress: Progress = lambda _time: None) -> Outcome:
+    """Load the slaves, initialise and run them, recording into `folder`."""
+    with _interrupts() as interrupted:
+        master = Master(plan.nodes, plan.schedule, load())
+        try:
+            recorder = Recorder(folder, master.vector, master.signals, recorded(master.signals))
+        except OSError as error:
+            raise CosimError(f"cannot write into {folder}: {error.strerror or error}") from None
+        try:
             master.initialise()
             return master.run(plan.stop, recorder, partial(_kept, recorder, progress), interrupted)
-    except SlaveError as failure:
-        return Outcome("failed", failure.sentence("at initialisation"), 0, 0, {}, {})
-    finally:
-        recorder.close()
+        except SlaveError as failure:
+            return Outcome("failed", failure.sentence("at initialisation"), 0, 0, {}, {})
+        finally:
+            recorder.close()
 
 
 def _kept(recorder: Recorder, progress: Progress, time: int) -> None:

@@ -28,6 +28,18 @@ def single(step, **options):
     return plan_of(system, {"plant": mock}), mock
 
 
+def test_a_signal_while_loading_ends_the_run_before_its_first_step(tmp_path):
+    """Raised inside the code of an FMU, a KeyboardInterrupt would be taken for its fault."""
+    plan, mock = single(lambda t, h, u: {"y": t})
+
+    def load():
+        os.kill(os.getpid(), signal.SIGINT)
+        return {"plant": mock}
+
+    outcome = execute(plan, load, tmp_path)
+    assert (outcome.status, outcome.time, mock.steps) == ("interrupted", 0, [])
+
+
 @pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_interrupts_between_ticks_and_keeps_the_results(tmp_path, kind):
     def step(time, length, inputs):
@@ -37,7 +49,7 @@ def test_a_signal_interrupts_between_ticks_and_keeps_the_results(tmp_path, kind)
 
     plan, mock = single(step)
     before = signal.getsignal(kind)
-    outcome = execute(plan, {"plant": mock}, tmp_path)
+    outcome = execute(plan, lambda: {"plant": mock}, tmp_path)
     assert outcome.status == "interrupted"
     assert 0.3 <= outcome.time / 1e9 < 0.4
     assert load_results(tmp_path, {}).time[-1] == outcome.time / 1e9
@@ -46,7 +58,7 @@ def test_a_signal_interrupts_between_ticks_and_keeps_the_results(tmp_path, kind)
 
 def test_a_failing_step_keeps_the_rows_before_it(tmp_path):
     plan, mock = single(lambda t, h, u: 3 if t >= 0.5 else {"y": t})
-    outcome = execute(plan, {"plant": mock}, tmp_path)
+    outcome = execute(plan, lambda: {"plant": mock}, tmp_path)
     assert outcome.reason == "plant failed at 0.5 s (error): the FMU gave no reason"
     assert len(load_results(tmp_path, {}).time) == 500
 
@@ -54,7 +66,7 @@ def test_a_failing_step_keeps_the_rows_before_it(tmp_path):
 def test_a_failing_initialisation_is_reported(tmp_path):
     plan, mock = single(lambda t, h, u: {})
     mock.refuses, mock.reason = True, "mass must be positive"
-    outcome = execute(plan, {"plant": mock}, tmp_path)
+    outcome = execute(plan, lambda: {"plant": mock}, tmp_path)
     assert (outcome.status, outcome.time) == ("failed", 0)
     assert outcome.reason == "mock failed at initialisation (error): mass must be positive"
 
@@ -62,14 +74,14 @@ def test_a_failing_initialisation_is_reported(tmp_path):
 def test_progress_is_reported_in_nanoseconds_up_to_the_end(tmp_path):
     plan, mock = single(lambda t, h, u: {"y": t})
     seen = []
-    execute(plan, {"plant": mock}, tmp_path, seen.append)
+    execute(plan, lambda: {"plant": mock}, tmp_path, seen.append)
     assert seen == sorted(seen)
     assert seen[-1] == 999_000_000
 
 
 def test_calls_and_time_are_accounted_per_instance(tmp_path):
     plan, mock = single(lambda t, h, u: {"y": sum(range(1000))})
-    outcome = execute(plan, {"plant": mock}, tmp_path)
+    outcome = execute(plan, lambda: {"plant": mock}, tmp_path)
     assert outcome.calls == {"plant": 1000}
     assert 0 < outcome.times["plant"] < outcome.wall
 
