@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from fmus.vehicle16dof import magic
@@ -80,12 +80,10 @@ def design_model() -> DesignModel:
     Inertias are about the total centre of gravity; the pneumatic trail is the mean over both axles at static load.
     """
     v = {name: entry["value"] for name, entry in tomllib.loads(_PARAMETERS.read_text("utf-8")).items()}
-    m, loads = _mass(v), _static_loads(v)
-    inertia = _inertia(v)
-    c_F, c_R = _cornering(v, m, loads)
+    loads, inertia = _static_loads(v), _inertia(v)
     sinking = sum(loads) / 2.0 / v["tyre.vertical_stiffness"]
-    return DesignModel(
-        mass=m,
+    rough = DesignModel(
+        mass=_mass(v),
         sprung_mass=v["body.mass"],
         roll_inertia=inertia[0],
         pitch_inertia=inertia[1],
@@ -105,8 +103,8 @@ def design_model() -> DesignModel:
         anti_roll_front=v["suspension.front.anti_roll"],
         anti_roll_rear=v["suspension.rear.anti_roll"],
         tyre_stiffness=v["tyre.vertical_stiffness"],
-        cornering_front=c_F,
-        cornering_rear=c_R,
+        cornering_front=0.0,
+        cornering_rear=0.0,
         pneumatic_trail=v["tyre.trail"] * sum(loads) / 2.0 / v["tyre.nominal_load"],
         relaxation_length=v["tyre.relaxation.lateral"],
         drag_area=v["body.drag_coefficient"] * v["body.frontal_area"],
@@ -116,6 +114,8 @@ def design_model() -> DesignModel:
         steer_inertia=v["knuckle.inertia.z"] + v["wheel.inertia.diametral"],
         steer_damping=v["steering.damping"],
     )
+    front, rear = _cornering(v, rough, loads)
+    return replace(rough, cornering_front=front, cornering_rear=rear)
 
 
 def _mass(v: dict[str, float]) -> float:
@@ -155,14 +155,22 @@ def _inertia(v: dict[str, float]) -> tuple[float, float, float]:
     return I_x, I_y, I_z
 
 
-def _cornering(v: dict[str, float], m: float, loads: tuple[float, float]) -> tuple[float, float]:
-    """Axle cornering stiffness [N/rad]: secant force over slip angle at SECANT_ACCELERATION, load transfer included.
+def _cornering(v: dict[str, float], car: DesignModel, loads: tuple[float, float]) -> tuple[float, float]:
+    """Axle cornering stiffness [N/rad]: secant force over slip angle in a steady turn at SECANT_ACCELERATION.
 
-    Each axle carries its static share of the lateral force; half of the load transfer m a_y h / d goes to each axle.
+    The axles carry F_F = m a_y (l_R + t)/L and F_R = m a_y (l_F - t)/L; the load transfer m a_y h/d, magnified by the
+    overturning of the rolled body, is split by the roll stiffnesses.
     """
     k = {name.removeprefix("tyre."): value for name, value in v.items() if name.startswith("tyre.")}
-    transfer = 0.5 * m * SECANT_ACCELERATION * _height(v, loads) / v["geometry.track_front"]
-    front, rear = (_secant(k, load, transfer, 2.0 * load / v["gravity"] * SECANT_ACCELERATION) for load in loads)
+    force, stiffness = car.mass * SECANT_ACCELERATION, sum(car.roll_stiffness)
+    overturning = stiffness / (stiffness - car.mass * car.gravity * car.cog_height)
+    arms = car.l_r + car.pneumatic_trail, car.l_f - car.pneumatic_trail
+    front, rear = (
+        _secant(
+            k, load, force * car.cog_height * overturning * roll / stiffness / car.track, force * arm / car.wheelbase
+        )
+        for load, roll, arm in zip(loads, car.roll_stiffness, arms, strict=True)
+    )
     return front, rear
 
 
