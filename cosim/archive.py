@@ -22,11 +22,9 @@ def unpack(archive: Path, folder: Path) -> None:
         with zipfile.ZipFile(archive) as zipped:
             _check(archive, zipped.infolist())
             _extract(archive, zipped, folder)
-    except (zipfile.BadZipFile, zipfile.LargeZipFile, NotImplementedError, RuntimeError, EOFError, OSError) as error:
-        raise CosimError(f"{archive} is not a readable zip archive: {error}") from None
-    except Exception as error:
-        if isinstance(error, CosimError):
-            raise
+    except CosimError:
+        raise
+    except Exception as error:  # zipfile raises many kinds: BadZipFile, zlib.error, RuntimeError, EOFError, ...
         raise CosimError(f"{archive} is not a readable zip archive: {error}") from None
 
 

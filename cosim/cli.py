@@ -58,7 +58,7 @@ def run(
     seed: Annotated[int, typer.Option(help="Seed of all noise; equal seeds give bit-identical runs.")] = 0,
     stop_time: Annotated[float | None, typer.Option("--stop-time", metavar="S", help="End of the run [s].")] = None,
     folder: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Results folder; runs/NAME if left out.")
+        Path | None, typer.Option("-o", "--output", help="Results folder; results/NAME if left out.")
     ] = None,
     explain: Annotated[bool, typer.Option("--explain", help="Print order, periods, edges and conversions.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
@@ -73,7 +73,7 @@ def run(
     from cosim.system import parse_assignments  # noqa: PLC0415
 
     scenario = scenarios.load(name)
-    target = folder if folder is not None else Path("runs") / name
+    target = folder if folder is not None else Path("results") / name
     request = Request(scenario, target, parse_assignments(assignments or []), seed, stop_time)
     stop = stop_time if stop_time is not None else scenario.stop_time
     explainer = display.explainer(to_stderr=as_json or quiet) if explain else display.silent

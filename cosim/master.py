@@ -17,11 +17,11 @@ from typing import Literal
 import numpy as np
 
 from cosim.assembly import Node
+from cosim.bound import Action, Bound, gather
 from cosim.clock import SECOND, to_seconds
 from cosim.schedule import Schedule, active_ticks
-from cosim.slave import WARNING, Call, Calls, Memory, Slave, SlaveError, Vector
+from cosim.slave import Memory, Slave, SlaveError, Vector
 
-Action = Callable[[], object]
 _BLOCK = 64  # ticks between two looks at the interrupt flag and the progress display
 
 
@@ -50,51 +50,6 @@ class Outcome:
     times: Mapping[str, int]
 
 
-class _Bound:
-    """One slave bound to its memory."""
-
-    def __init__(self, node: Node, slave: Slave, calls: Calls, gather: Action, step: c_double) -> None:
-        self.node, self.slave, self.calls, self.gather, self.step = node, slave, calls, gather, step
-        self.count = self.time = 0
-
-    def check(self, status: int) -> None:
-        if status > WARNING:
-            raise SlaveError(self.node.name, status, self.slave.message())
-
-    def exchange(self) -> None:
-        """Gather, set, step, get; the three calls are timed."""
-        self.gather()
-        set_, step, get = self.calls
-        start = perf_counter_ns()
-        status = set_()
-        if status <= WARNING:
-            status = step()
-            if status <= WARNING:
-                status = get()
-        self.time += perf_counter_ns() - start
-        self.count += 1
-        if status > WARNING:
-            self.check(status)
-
-    def feed(self) -> None:
-        self.gather()
-        self._timed(self.calls.set)
-
-    def advance(self) -> None:
-        self._timed(self.calls.step)
-        self.count += 1
-
-    def publish(self) -> None:
-        self._timed(self.calls.get)
-
-    def _timed(self, call: Call) -> None:
-        start = perf_counter_ns()
-        status = call()
-        self.time += perf_counter_ns() - start
-        if status > WARNING:
-            self.check(status)
-
-
 class Master:
     """Runs the nodes on `slaves` (same names). `signals` describes `vector[1:]`; `vector[0]` is the time [s]."""
 
@@ -105,7 +60,7 @@ class Master:
         self._time = c_double.from_buffer(self.vector.data)
         self._index = {signal.name: i for i, signal in enumerate(self.signals, start=1)}
         self._nodes, self._slaves = nodes, slaves
-        self._bound: dict[str, _Bound] = {}
+        self._bound: dict[str, Bound] = {}
 
     def initialise(self) -> None:
         """Set parameters, enter initialisation, pass outputs to inputs along the dataflow, leave; or SlaveError."""
@@ -219,31 +174,13 @@ class Master:
                 self._slaves[name].leave()
             bound.check(bound.calls.get())
 
-    def _bind(self, node: Node, slave: Slave) -> _Bound:
+    def _bind(self, node: Node, slave: Slave) -> Bound:
         outputs = node.face.outputs
         first = self._index[f"{node.name}.{outputs[0]}"] if outputs else 0
         u, step = np.zeros(len(node.incoming)), c_double(to_seconds(node.period))
         y = self.vector[first : first + len(outputs)]
         calls = slave.bind(Memory(self._time, step, tuple(node.incoming), u, outputs, y))
-        return _Bound(node, slave, calls, self._gather(node, u), step)
-
-    def _gather(self, node: Node, u: Vector) -> Action:
-        """One indexed copy of the connected inputs, converted where units differ."""
-        if not node.incoming:
-            return int
-        connections = node.incoming.values()
-        index = np.array([self._index[f"{c.source}.{c.output}"] for c in connections])
-        take = partial(self.vector.take, index, None, u, "clip")  # "clip" writes straight into u, "raise" copies twice
-        if all(c.conversion.trivial for c in connections):
-            return take
-        factor, offset = (np.array([getattr(c.conversion, key) for c in connections]) for key in ("factor", "offset"))
-
-        def converted() -> None:
-            take()
-            np.multiply(u, factor, out=u)
-            np.add(u, offset, out=u)
-
-        return converted
+        return Bound(node, slave, calls, gather(node, self.vector, self._index, u), step)
 
 
 def _signal(node: Node, name: str) -> Signal:
