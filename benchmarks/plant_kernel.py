@@ -20,7 +20,17 @@ from fmus.vehicle16dof.states import CORNERS, Corner
 
 STEP = 0.001
 _STEPS, _ROUNDS = 20_000, 7
-_FLAGS = ("-O2", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off", "-w", "-shared", "-fPIC")
+# -Bsymbolic: glibc has a function `step` of its own
+_FLAGS = (
+    "-O2",
+    "-fno-math-errno",
+    "-fno-trapping-math",
+    "-ffp-contract=off",
+    "-w",
+    "-shared",
+    "-fPIC",
+    "-Wl,-Bsymbolic",
+)
 _LOOP = """
 #include "plant.c"
 #include <string.h>
@@ -58,7 +68,7 @@ def _plant(folder: Path) -> Callable[[], None]:
     car = Direct(COMPONENT, {"initial.speed": 25.0}, _DRIVING)
     _compile(car.kernel.step, folder)
     library = ctypes.CDLL(str(folder / "loop.so"))
-    arrays = [np.ascontiguousarray(a, dtype=float) for a in (car.p, car.d, car.u, car.x)]
+    arrays = [np.array(a, dtype=float) for a in (car.p, car.d, car.u, car.x)]
     pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in arrays]
 
     def run(count: int = _STEPS) -> None:
