@@ -35,12 +35,22 @@ def _parameters() -> list[Variable]:
     sensors, source = profile(), "start value of the sensor of the same kind"
     return [
         *load_parameters(Path(__file__).with_name("parameters.toml")),
-        *(parameter(n, unit, text, sensors[n], source=source) for n, (unit, text) in _SENSOR_DATA.items()),
+        *(
+            parameter(n, unit, text, sensors[n], minimum=_least(n), source=source)
+            for n, (unit, text) in _SENSOR_DATA.items()
+        ),
         *(
             parameter(f"design.{n}", unit, text, getattr(DESIGN, n), minimum=1e-3, source="nominal car")
             for n, (unit, text) in _DESIGN.items()
         ),
     ]
+
+
+def _least(name: str) -> float | None:
+    """Places may be negative; assumed receiver errors must not vanish, they are divided by."""
+    if ".position." in name:
+        return None
+    return 1e-6 if "gps" in name and name != "noise.gps_correlated" else 0.0
 
 
 def _inputs() -> list[Variable]:

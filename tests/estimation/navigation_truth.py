@@ -106,21 +106,32 @@ def run(component, signals, parameters=None, every: int = 1, kernel=None) -> dic
     count, noise = u.shape[1], component.interface.noise
     seed = int((parameters or {}).get("seed", 1))
     w = np.array([normals(seed, k + 1, noise) for k in range(count)]).T if noise else np.zeros((0, count))
-    y = _accumulated(start.kernel.step, count)(start.x, start.p, start.d, u, w, signals["time"][::every][None, :])[1]
-    return dict(zip(component.interface.names("output"), y.full(), strict=True))
+    y = _loop(start, u, w, signals["time"][::every])
+    return dict(zip(component.interface.names("output"), y, strict=True))
 
 
-_LOOPS: dict[tuple[int, int], ca.Function] = {}
+CHUNK = 100
+_LOOPS: dict[int, ca.Function] = {}
 
 
-def _accumulated(step: ca.Function, count: int) -> ca.Function:
+def _loop(start: Direct, u: np.ndarray, w: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """Outputs (ports x samples), CHUNK samples per call; the last chunk is filled up with copies of the last sample."""
+    count = u.shape[1]
+    chunks, x = np.minimum(np.arange(-(-count // CHUNK) * CHUNK), count - 1).reshape(-1, CHUNK), start.x
+    blocks = []
+    for k in chunks:
+        states, y = _accumulated(start.kernel.step)(x, start.p, start.d, u[:, k], w[:, k], t[None, k])
+        x = states[:, -1]
+        blocks.append(y.full())
+    return np.hstack(blocks)[:, :count]
+
+
+def _accumulated(step: ca.Function) -> ca.Function:
     """(x0, p, d, u, w, t) -> all x, all y."""
-    key = (step.__hash__(), count)
+    key = step.__hash__()
     if key not in _LOOPS:
-        a = [ca.MX.sym(step.name_in(i), step.sparsity_in(i)) for i in range(6)]
-        p, d, u, x, w, t = a
-        one = ca.Function("one", [x, p, d, u, w, t], step(*a))
-        _LOOPS[key] = one.mapaccum("loop", count, 1, {"base": 40})
+        p, d, u, x, w, t = a = [ca.MX.sym(step.name_in(i), step.sparsity_in(i)) for i in range(6)]
+        _LOOPS[key] = ca.Function("one", [x, p, d, u, w, t], step(*a)).mapaccum(CHUNK)
     return _LOOPS[key]
 
 

@@ -1,10 +1,12 @@
 """The whole filter behind its sensors: consistency, latency, lever arms, outages and outliers. No plant needed."""
 
+import casadi as ca
 import numpy as np
 import pytest
 from navigation_truth import TYRE, T, navigate, run, suspension, truth
 
 from fmukit.direct import Direct
+from fmus.estimator.navigation import BELIEF, unpack
 from fmus.estimator.profiles import profile
 
 SEEDS = 20
@@ -172,6 +174,37 @@ def test_roll_and_pitch_come_from_suspension_and_tyres(runs):
     assert np.max(np.abs(errors(y)["pitch"][400:])) < 0.0015
     ratio = np.mean([np.mean((errors(r)["roll"] / r["std.roll"])[400:] ** 2) for r in runs])
     assert ratio < 1.5
+
+
+def test_covariance_stays_positive_definite(chain):
+    component, kernel = chain[2]
+    signals = truth()
+    estimator = Direct(component, {"initial.speed": 25.0}, kernel=kernel)
+    feed = [name for name in component.interface.names("input") if name in signals]
+    for k in range(800):
+        estimator.set({name: signals[name][k] for name in feed} | {"accelerometer.z": 9.81})
+        estimator.set({"gps.valid": 1.0, "gps.fix_count": k // 20, "gps.age": 0.005 * (k % 20)})
+        estimator.set({"gps.position.x": signals["truth.position.x"][k - k % 20], "gps.velocity.x": 25.0})
+        estimator.sample()
+        if k % 50 == 7:
+            P = np.array(full_covariance()(estimator.x[: BELIEF.size]))
+            assert np.min(np.linalg.eigvalsh(P)) > 0
+
+
+def full_covariance():
+    belief = BELIEF.symbol("b")
+    return ca.Function("P", [belief], [unpack(belief)[1]])
+
+
+def test_another_sampling_period_gives_the_same_picture(chain):
+    imu, gps, estimator = chain
+    inertial = run(imu[0], truth(), {"seed": 2, "sample_period": 0.01}, every=2, kernel=imu[1])
+    satellite = run(gps[0], truth(), {"seed": 3}, every=2, kernel=gps[1])
+    slow = {name: values[::2] for name, values in truth().items()}
+    settings = {"initial.speed": 25.0, "sample_period": 0.01}
+    y = run(estimator[0], slow | inertial | satellite, settings, kernel=estimator[1])
+    assert rms((y["estimate.position.y"] - slow["truth.position.y"])[200:]) < 0.025
+    assert (y | satellite)["nis.position"][new_fixes(satellite)].mean() == pytest.approx(4, abs=0.6)
 
 
 def test_rates_and_sideslip(runs):
