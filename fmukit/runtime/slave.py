@@ -18,6 +18,7 @@ from pythonfmu.enums import Fmi2Status
 
 from . import library, state, table
 from .description import Description
+from .leaving import release_interpreter_once
 from .ports import Plan, RefusalError, check_settable, complaint, plan
 from .stepping import TOO_LONG, Continuous, Sampled
 
@@ -49,8 +50,10 @@ class Slave(Fmi2Slave):
         self._set_vrs: list[int] | None = None
         self._fill_start_values()
         if "logger" in kwargs:
+            resources = Path(str(kwargs.get("resources")))
             _leave_path(str(kwargs.get("resources")))
-            self._attach(Path(str(kwargs.get("resources"))) / self.package / library.FILE)
+            self._attach(resources / self.package / library.FILE)
+            release_interpreter_once(resources.parent / "binaries" / "linux64" / f"{self.description_.name}.so")
 
     def _fill_start_values(self) -> None:
         self._strings: dict[int, str] = {}
