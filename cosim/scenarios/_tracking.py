@@ -117,6 +117,6 @@ def _first_row(file: Path) -> tuple[float, float, float, float]:
 
 
 def _draw(results, file: Path, title: str) -> None:  # type: ignore[no-untyped-def]
-    from cosim.report.overview import draw_overview  # noqa: PLC0415  (slow to import)
+    from cosim.scenarios._tracking_overview import draw_overview  # noqa: PLC0415  (slow to import)
 
     draw_overview(results, file, title)

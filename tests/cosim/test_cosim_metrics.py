@@ -4,7 +4,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from cosim.report.overview import footprints
+from cosim.scenarios._tracking_overview import footprints
 from cosim.results import Results
 from cosim.scenarios._tracking_metrics import longest_saturation, tracking_metrics
 
