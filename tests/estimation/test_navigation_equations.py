@@ -6,7 +6,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from fmus.estimator.correction import correct, joseph, update
+from fmus.estimator.correction import antenna, correct, joseph, update
 from fmus.estimator.navigation import PACKED, STATE, noise, propagate, transition
 
 N = STATE.size
@@ -106,6 +106,15 @@ def test_covariance_follows_the_linearised_ensemble():
     )
     spread = np.sqrt(np.outer(np.diag(later), np.diag(later)))
     assert np.max(np.abs(np.cov(moved) - later) / spread) < 0.08
+
+
+def test_predicted_antenna_velocity_is_the_derivative_of_its_position():
+    arm, h = np.array([0.8, -0.6]), 1e-5
+    lever = np.concatenate([arm, READING[0] * np.array([-arm[1], arm[0]])])
+    predict, step = numeric(antenna, N, 4), numeric(transition, N, 3, 1, 6)
+    ahead, behind = (predict(step(MEAN, READING, s * h, PROCESS), lever).full().ravel() for s in (1, -1))
+    now = predict(MEAN, lever).full().ravel()
+    assert np.allclose((ahead - behind)[:2] / (2 * h), now[2:], atol=1e-6)
 
 
 def test_joseph_form_is_symmetric_and_positive_for_any_gain():
