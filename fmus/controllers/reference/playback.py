@@ -19,7 +19,8 @@ def canonical(table: ca.MX, rows: ca.MX) -> ca.MX:
     steps = course[1:] - course[:-1]
     wrapped = ca.atan2(ca.sin(steps), ca.cos(steps))
     continuous = ca.vertcat(course[0], course[0] + ca.cumsum(wrapped))
-    return ca.horzcat(time + ca.fmax(unused, 0), table[:, 1:3], continuous, table[:, 4:])
+    times = ca.if_else(unused > 0, time[ca.fmax(rows - 1, 0)] + unused, time)
+    return ca.horzcat(times, table[:, 1:3], continuous, table[:, 4:])
 
 
 def lookup(times: int, rows: int) -> ca.Function:
