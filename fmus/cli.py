@@ -16,6 +16,7 @@ from fmukit.build.errors import BuildError
 from fmukit.component import Component
 from fmus import CATALOGUE
 
+_UsageError: type[Exception] = typer.BadParameter.__mro__[1]  # of the click inside typer, which has no public name for it
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
 
 
@@ -26,10 +27,20 @@ class UserError(Exception):
 def main() -> None:
     """Run the command; an error of the user is one sentence on stderr and exit status 2."""
     try:
-        app()
-    except (UserError, BuildError, OSError) as error:
-        print(f"fmus: {error}", file=sys.stderr)
-        sys.exit(2)
+        sys.exit(app(standalone_mode=False) or 0)
+    except (UserError, BuildError) as error:
+        _end(str(error))
+    except OSError as error:
+        _end(f"{error.filename}: {error.strerror}")
+    except _UsageError as error:
+        _end(f"{str(error) or 'Say what to do.'} `fmus --help` shows what there is.")
+    except typer.Abort:
+        _end("interrupted", 130)
+
+
+def _end(sentence: str, status: int = 2) -> None:
+    print(f"fmus: {sentence}", file=sys.stderr)
+    sys.exit(status)
 
 
 @app.callback()
@@ -44,10 +55,10 @@ def list_(as_json: Annotated[bool, typer.Option("--json", help="Print JSON and n
         print(json.dumps([_facts(component) for component in CATALOGUE], indent=2))
         return
     table = Table(box=None)
-    for heading, justify in (("name", "left"), ("kind", "left"), ("step [s]", "right"), ("parameters", "right")):
+    for heading, justify in (("name", "left"), ("kind", "left"), ("step [s]", "right"), ("par", "right")):
         table.add_column(heading, justify=justify)  # type: ignore[arg-type]
-    table.add_column("inputs", justify="right")
-    table.add_column("outputs", justify="right")
+    table.add_column("in", justify="right")
+    table.add_column("out", justify="right")
     table.add_column("what it is")
     for component in CATALOGUE:
         face = component.interface

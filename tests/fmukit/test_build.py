@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -168,3 +169,15 @@ def test_missing_compiler_is_one_sentence_with_the_remedy(
     with pytest.raises(BuildError, match=r"CC=no-such-compiler -m64 does not exist"):
         build(demo_spring.COMPONENT, tmp_path)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_cache_forgets_what_is_a_month_old(tmp_path: Path) -> None:
+    old, young, other = (tmp_path / name for name in ("DemoSpring-0", "DemoSpring-1", "Demo-0"))
+    for made in (old, young, other):
+        made.mkdir()
+    for made in (old, other):
+        os.utime(made, (1e9, 1e9))
+    cache.cached(demo_spring.COMPONENT, tmp_path)
+    assert not old.exists()
+    assert young.exists()
+    assert other.exists()
