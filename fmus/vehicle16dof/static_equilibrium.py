@@ -25,16 +25,21 @@ def newton() -> ca.Function:
     better = s - ca.solve(ca.jacobian(residual, s), residual)
     step = ca.Function("equilibrium_step", [s, p.column, d, u.column], [ca.cse(better)])
     p_, d_, u_ = ca.MX.sym("p", p.column.numel()), ca.MX.sym("d", DERIVED.size), ca.MX.sym("u", u.column.numel())
-    found = _guess(p, p_)
+    found = ca.Function("guess", [p.column, u.column], [_guess(p, u)])(p_, u_)
     for _ in range(ITERATIONS):
         found = step(found, p_, d_, u_)
     return ca.Function("static_equilibrium", [p_, d_, u_], [found])
 
 
-def _guess(p: Signals, column: ca.MX) -> ca.MX:
-    """O1 so high that unloaded tyres just touch, sunk by two centimetres."""
-    drop = p["geometry.wheel_drop_front"] + p["wheel.radius"] - 0.02
-    return ca.Function("guess", [p.column], [ca.vertcat(drop, ca.SX.zeros(6))])(column)
+def _guess(p: Signals, u: Signals) -> ca.SX:
+    """The chassis level with the road as far as four heights allow, all tyres sunk by about two centimetres."""
+    l_F, l_R = p["geometry.front_axle"], p["geometry.rear_axle"]
+    fl, fr, rl, rr = (u[f"road_height.{c.name}"] - wheel_place(p, c)[2] + p["wheel.radius"] - 0.02 for c in CORNERS)
+    front, rear = 0.5 * (fl + fr), 0.5 * (rl + rr)
+    roll = 0.5 * ((fl - fr) / p["geometry.track_front"] + (rl - rr) / p["geometry.track_rear"])
+    height = (l_R * front + l_F * rear) / (l_F + l_R)
+    twist = 0.25 * ((fl - fr) - (rl - rr))
+    return ca.vertcat(height, roll, (rear - front) / (l_F + l_R), twist, -twist, -twist, twist)
 
 
 def _residual(p: Signals, d: dict[str, ca.SX], u: Signals, s: ca.SX) -> ca.SX:

@@ -9,6 +9,7 @@ import pytest
 from vehicle_car import WHEELS, Car
 
 from fmus.design import DESIGN
+from fmus.vehicle16dof.interface import INTERFACE
 
 MakeCar = Callable[..., Car]
 DROP = 0.5 * (0.2474375 + 0.24335)
@@ -91,3 +92,23 @@ def test_start_on_an_uneven_road(car: MakeCar) -> None:
     weight, k = DESIGN.mass * DESIGN.gravity, sum(DESIGN.roll_stiffness)
     assert made["roll"] == pytest.approx(0.03 / DESIGN.track * k / (k - weight * DESIGN.cog_height), rel=0.01)
     assert abs(made["acceleration.z"]) < 1e-9
+
+
+@pytest.mark.parametrize("heights", [(0.2, 0, 0, 0), (0, 0, 0, -0.5), (0.1, 0, 0, 0.1), (-50, -50, -50, -50)])
+def test_equilibrium_on_uneven_roads_with_stops_and_lifted_wheels(car: MakeCar, heights: tuple[float, ...]) -> None:
+    made = car({}, {f"road_height.{w}": h for w, h in zip(WHEELS, heights, strict=True)})
+    assert loads(made).sum() == pytest.approx(DESIGN.mass * DESIGN.gravity, rel=1e-6)
+    assert max(abs(made[f"angular_acceleration.{a}"]) for a in "xy") < 1e-3
+
+
+def test_every_parameter_may_sit_at_its_limits(car: MakeCar) -> None:
+    bad = []
+    for v in INTERFACE.select("parameter"):
+        for limit in (v.minimum, v.maximum):
+            assert limit is not None, v.name
+            made = car({"initial.speed": 15.0, v.name: limit}, {"steer_torque.fl": 20.0, "steer_torque.fr": 20.0})
+            settled = abs(made["acceleration.z"]) < 0.5
+            made.run(0.1)
+            if not (settled and np.isfinite(made.y).all()):
+                bad.append((v.name, limit))
+    assert not bad
