@@ -16,7 +16,8 @@ from fmukit.build.errors import BuildError
 from fmukit.component import Component
 from fmus import CATALOGUE
 
-_UsageError: type[Exception] = typer.BadParameter.__mro__[1]  # of the click inside typer, which has no public name for it
+# Of the click inside typer, which has no public name for it.
+_UsageError: type[Exception] = typer.BadParameter.__mro__[1]
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
 
 
