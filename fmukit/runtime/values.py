@@ -1,0 +1,102 @@
+"""Getting and setting variables, checked and all or nothing; lists the host repeats are worked out once."""
+
+from __future__ import annotations
+
+from pythonfmu.enums import Fmi2Status
+
+from .instance import INITIALISING, PLAIN, STEPPING, TERMINATED, Instance
+from .ports import Plan, RefusalError, check_settable, complaint, plan
+
+
+class Values(Instance):
+    """The get and set callbacks of an instance."""
+
+    def get_real(self, vrs: list[int]) -> list[float]:
+        try:
+            if vrs == self._get_vrs:
+                return self._get_plan.read(self._buffer)
+            return self._gettable(vrs, "Real").read(self._buffer)
+        except BaseException as error:
+            self._refuse(error)
+            return [float("nan")] * len(vrs)
+
+    def set_real(self, vrs: list[int], values: list[float]) -> None:
+        try:
+            self._write(self._set_plan if vrs == self._set_vrs else self._settable(vrs, "Real"), values)
+        except BaseException as error:
+            self._refuse(error)
+
+    def get_integer(self, vrs: list[int]) -> list[int]:
+        try:
+            return [int(value) for value in self._gettable(vrs, "Integer").read(self._buffer)]
+        except BaseException as error:
+            self._refuse(error)
+            return [0] * len(vrs)
+
+    def set_integer(self, vrs: list[int], values: list[int]) -> None:
+        try:
+            self._write(self._settable(vrs, "Integer"), [float(value) for value in values])
+        except BaseException as error:
+            self._refuse(error)
+
+    def get_boolean(self, vrs: list[int]) -> list[bool]:
+        try:
+            return [value != 0.0 for value in self._gettable(vrs, "Boolean").read(self._buffer)]
+        except BaseException as error:
+            self._refuse(error)
+            return [False] * len(vrs)
+
+    def set_boolean(self, vrs: list[int], values: list[bool]) -> None:
+        try:
+            self._write(self._settable(vrs, "Boolean"), [1.0 if value else 0.0 for value in values])
+        except BaseException as error:
+            self._refuse(error)
+
+    def get_string(self, vrs: list[int]) -> list[str]:
+        try:
+            return [self._strings[slot] for slot in self._gettable(vrs, "String").slots]
+        except BaseException as error:
+            self._refuse(error)
+            return [""] * len(vrs)
+
+    def set_string(self, vrs: list[int], values: list[str]) -> None:
+        try:
+            slots = self._settable(vrs, "String").slots
+            self._strings.update(zip(slots, map(str, values), strict=True))
+        except BaseException as error:
+            self._refuse(error)
+
+    def _gettable(self, vrs: list[int], type_: str) -> Plan:
+        made = plan(self.description_, vrs, type_)
+        if self._mode == INITIALISING:
+            self._preview()
+        elif type_ == "Real":
+            self._get_vrs, self._get_plan = list(vrs), made
+        return made
+
+    def _preview(self) -> None:
+        """Outputs read during initialisation belong to the parameters and inputs set so far."""
+        try:
+            self._initialise()
+        except PLAIN as error:
+            self._tell(str(error), Fmi2Status.warning)
+
+    def _settable(self, vrs: list[int], type_: str) -> Plan:
+        made = plan(self.description_, vrs, type_)
+        if self._mode == TERMINATED:
+            raise RefusalError("nothing can be set after terminate; reset the instance first")
+        check_settable(self.description_, made.slots, self._mode == STEPPING)
+        if self._mode != STEPPING:
+            self._dirty = True
+        elif type_ == "Real":
+            self._set_vrs, self._set_plan = list(vrs), made
+        return made
+
+    def _write(self, where: Plan, values: list[float]) -> None:
+        """Store all values of one call, or none when one of them is outside its limits."""
+        if not where.accepts(values):
+            for slot, value in zip(where.slots, values, strict=True):
+                port = self.description_.ports[slot]
+                if not port.low <= value <= port.high:
+                    raise RefusalError(complaint(port, value))
+        where.write(self._buffer, values)
