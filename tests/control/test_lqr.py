@@ -13,9 +13,11 @@ from fmus.controllers.high_level_lqr import COMPONENT, riccati, tracking
 from fmus.controllers.high_level_lqr.model import STATES
 
 T = 0.05
-Q, R = np.diag([0.3, 0.3, 1.0, 20.0]), np.diag([0.3, 20.0])
+Q, R = np.diag([0.3, 0.3, 1.0, 20.0]), np.diag([0.3, 10.0])
 WEIGHTS = np.concatenate([np.diag(Q), np.diag(R)])
-ON_THE_PATH = {"estimate.velocity.x": 30.0, "reference.speed": 30.0}
+ON_THE_PATH = {"estimate.velocity.x": 30.0, "reference.speed": 30.0} | {
+    f"preview[{k}].speed": 30.0 for k in range(1, 61)
+}
 
 
 @pytest.fixture(scope="module")
@@ -77,14 +79,14 @@ def test_continuous_model_linearises_the_kinematics() -> None:
 
 
 def test_terminal_weight_solves_the_algebraic_riccati_equation() -> None:
-    S = ca.DM(riccati.unpack(ca.SX(riccati.terminal(T)([*WEIGHTS, 30.0])))).full()
+    S = ca.DM(riccati.unpack(ca.SX(riccati.terminal(T)([*WEIGHTS, 30.0, 0.0])))).full()
     np.testing.assert_allclose(S, terminal_weight(), rtol=1e-9, atol=1e-9)
 
 
 def test_terminal_weight_converges_for_slow_and_fast_designs() -> None:
     for scale in (1e-3, 1e4):
         weights = np.concatenate([np.diag(Q), scale * np.diag(R)])
-        S = ca.DM(riccati.unpack(ca.SX(riccati.terminal(T)([*weights, 20.0])))).full()
+        S = ca.DM(riccati.unpack(ca.SX(riccati.terminal(T)([*weights, 20.0, 0.0])))).full()
         exact = solve_discrete_are(*discrete_model(20.0, 0.0), Q, scale * R)
         np.testing.assert_allclose(S, exact, rtol=1e-6, atol=1e-6 * np.abs(exact).max())
 
@@ -104,7 +106,7 @@ def on_a_wavy_path() -> dict[str, float]:
 
 
 def feedback(kernel: Kernel, inputs: dict[str, float], **parameters: float) -> np.ndarray:
-    controller = Direct(COMPONENT, parameters, kernel=kernel)
+    controller = Direct(COMPONENT, {"compensate_lag": False} | parameters, kernel=kernel)
     controller.set(on_a_wavy_path() | inputs)
     controller.sample()
     return np.array([controller["feedback.acceleration"], controller["feedback.yaw_rate"]])

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import casadi as ca
 
 from fmukit.kernel import Kernel, Layout, Signals, sampled_kernel, stack, symbols
 from fmus.controllers.bus import PREVIEW, PREVIEW_PERIOD, REFERENCE, SAMPLE
-from fmus.controllers.high_level_lqr import inversion, riccati, tracking
+from fmus.controllers.high_level_lqr import inversion, lag, riccati, tracking
 from fmus.controllers.high_level_lqr.interface import INTERFACE
 
 STATES = Layout(
     started=1,  # 0 before the first sample, which starts the zero dynamics at their equilibrium
     zero_dynamics=2,  # sideslip and yaw rate of the linear single-track on the reference [rad, rad/s]
     integrals=2,  # of the longitudinal and lateral errors [m s]
+    yaw_answer=1,  # yaw rate of the feedback as the car has answered it so far [rad/s]
     sideslip=1,  # slow part of measured minus expected sideslip [rad]
 )
 DERIVED = Layout(terminal=10)
@@ -30,7 +33,8 @@ def kernel() -> Kernel:
 
 def _initialise() -> ca.Function:
     p, u = ca.MX.sym("p", len(_PARAMETERS)), ca.MX.sym("u", len(_INPUTS))
-    d = riccati.terminal(PREVIEW_PERIOD)(ca.vertcat(_weights(p), p[_PARAMETERS.index("terminal.speed")]))
+    v = _parameter(p)("terminal.speed")
+    d = riccati.terminal(PREVIEW_PERIOD)(ca.vertcat(_weights(p), v, lag.reach(_parameter(p), v)))
     arguments = [p, u, ca.MX.sym("w", 0), ca.MX.sym("table", 0), ca.MX.sym("rows")]
     outputs = ca.MX.zeros(len(INTERFACE.names("output")))
     return ca.Function("initialise", arguments, [d, ca.MX.zeros(STATES.size), outputs])
@@ -40,13 +44,17 @@ def _step() -> ca.Function:
     p, d, u = ca.MX.sym("p", len(_PARAMETERS)), ca.MX.sym("d", DERIVED.size), ca.MX.sym("u", len(_INPUTS))
     x = ca.MX.sym("x", STATES.size)
     v, curvature = (_between(_along(u, name)) for name in ("speed", "curvature"))
-    K = riccati.first_gain(PREVIEW_PERIOD, PREVIEW)(d, _weights(p), v, curvature)
+    K = riccati.first_gain(PREVIEW_PERIOD, PREVIEW)(d, _weights(p), v, curvature, lag.reach(_parameter(p), v))
     arguments = [p, d, u, x, ca.MX.sym("w", 0), ca.MX.sym("t")]
     return ca.Function("step", arguments, list(_control().call([p, u, x, K])))
 
 
+def _parameter(p: ca.MX) -> Callable[[str], ca.MX]:
+    return lambda name: p[_PARAMETERS.index(name)]
+
+
 def _weights(p: ca.MX) -> ca.MX:
-    return ca.vertcat(*(p[_PARAMETERS.index(f"weight.{name}")] for name in _WEIGHTS))
+    return ca.vertcat(*(_parameter(p)(f"weight.{name}") for name in _WEIGHTS))
 
 
 def _along(u: ca.MX, name: str) -> ca.MX:
@@ -75,7 +83,9 @@ def _control() -> ca.Function:
     slow = state["sideslip"]
     e = tracking.path_errors(u.vector("estimate.position", "xy"), u["estimate.yaw"], velocity, reference, z[0] + slow)
     moving = ca.fmin(ca.fmax(reference["speed"] / _MOVING, 0), 1)
-    du, integrals = _feedback(p, K, e, state["integrals"], moving)
+    get, q = p.__getitem__, state["yaw_answer"]
+    seen = lag.undo(get, e, reference["speed"], moving * (beta - z[0] - slow), q)
+    du, integrals = _feedback(p, K, seen, state["integrals"], moving)
     values = _commands(p, z, path, _ahead(u, "acceleration"), du)
     values |= {f"error.{name}": e[i] for i, name in enumerate(_ERRORS)}
     values["error.course"] = tracking.wrap(u["estimate.yaw"] + beta - reference["course"])
@@ -83,7 +93,10 @@ def _control() -> ca.Function:
     values |= {"feedback.acceleration": du[0], "feedback.yaw_rate": du[1]}
     learnt = slow + (1 - ca.exp(-p["sample_period"] / p["sideslip_time"])) * (beta - z[0] - slow)
     later = inversion.propagate(p, z, path, p["sample_period"], 2)
-    after = STATES.join({"started": ca.SX(1), "zero_dynamics": later, "integrals": integrals, "sideslip": learnt})
+    after = STATES.join(
+        {"started": ca.SX(1), "zero_dynamics": later, "integrals": integrals, "sideslip": learnt}
+        | {"yaw_answer": lag.answer(get, q, du[1])}
+    )
     return ca.Function("control", [p.column, u.column, x, K], [after, stack(INTERFACE.names("output"), values)])
 
 

@@ -11,18 +11,19 @@ _TERMINAL_STEPS = 2000
 
 
 def step(T: float) -> ca.Function:
-    """(S packed, weights, v, curvature) -> (S one step earlier, packed; gain K as a column of 8).
+    """(S packed, weights, v, curvature, reach) -> (S one step earlier, packed; gain K as a column of 8).
 
     K = (B'SB + R)^-1 B'SA, S <- Q + A'S(A - BK); weights are the diagonals of Q (4) and R (2). Packed: `pack`.
     """
-    packed, weights, v, curvature = ca.SX.sym("S", 10), ca.SX.sym("weights", 6), ca.SX.sym("v"), ca.SX.sym("kappa")
+    packed, weights = ca.SX.sym("S", 10), ca.SX.sym("weights", 6)
+    v, curvature, reach = ca.SX.sym("v"), ca.SX.sym("kappa"), ca.SX.sym("reach")
     Q, R = ca.diag(weights[:4]), ca.diag(weights[4:])
-    A, B = exact_model(v, curvature, T)
+    A, B = exact_model(v, curvature, T, reach)
     S = unpack(packed)
     SB = S @ B
     K = _inverse(B.T @ SB + R) @ (SB.T @ A)
     earlier = Q + A.T @ S @ (A - B @ K)
-    return ca.Function("riccati", [packed, weights, v, curvature], [pack(earlier), ca.vec(K)])
+    return ca.Function("riccati", [packed, weights, v, curvature, reach], [pack(earlier), ca.vec(K)])
 
 
 def pack(S: ca.SX) -> ca.SX:
@@ -41,29 +42,29 @@ def unpack(packed: ca.SX) -> ca.SX:
 
 
 def terminal(T: float) -> ca.Function:
-    """(weights, v) -> packed solution of the discrete algebraic Riccati equation at constant v on a straight.
+    """(weights, v, reach) -> packed solution of the discrete algebraic Riccati equation at constant v on a straight.
 
     The recursion runs to its limit from S = Q.
     """
-    weights, v = ca.SX.sym("weights", 6), ca.SX.sym("v")
-    S, column = ca.SX.sym("S", 10), ca.vertcat(weights, v)
-    once = ca.Function("once", [S, column], [step(T)(S, weights, v, 0)[0]])
+    weights, v, reach = ca.SX.sym("weights", 6), ca.SX.sym("v"), ca.SX.sym("reach")
+    S, column = ca.SX.sym("S", 10), ca.vertcat(weights, v, reach)
+    once = ca.Function("once", [S, column], [step(T)(S, weights, v, 0, reach)[0]])
     start = ca.Function("start", [column], [pack(ca.diag(weights[:4]))])
-    given = ca.MX.sym("given", 7)
+    given = ca.MX.sym("given", 8)
     limit = once.fold(_TERMINAL_STEPS)(start(given), ca.repmat(given, 1, _TERMINAL_STEPS))
     return ca.Function("terminal", [given], [limit])
 
 
 def first_gain(T: float, steps: int) -> ca.Function:
-    """(packed terminal weight, weights, v (1 x steps), curvature (1 x steps)) -> the first gain K (2 x 4)."""
+    """(packed terminal weight, weights, v, curvature, reach (1 x steps each)) -> the first gain K (2 x 4)."""
     S, weights = ca.MX.sym("S", 10), ca.MX.sym("weights", 6)
-    v, curvature = ca.MX.sym("v", 1, steps), ca.MX.sym("kappa", 1, steps)
-    carried, w, vk = ca.SX.sym("carried", 18), ca.SX.sym("weights", 6), ca.SX.sym("vk", 2)
-    body = ca.Function("body", [carried, w, vk], [ca.vertcat(*step(T)(carried[:10], w, vk[0], vk[1]))])
+    v, curvature, reach = (ca.MX.sym(name, 1, steps) for name in ("v", "kappa", "reach"))
+    carried, w, at = ca.SX.sym("carried", 18), ca.SX.sym("weights", 6), ca.SX.sym("at", 3)
+    body = ca.Function("body", [carried, w, at], [ca.vertcat(*step(T)(carried[:10], w, at[0], at[1], at[2]))])
     last = ca.vertcat(S, ca.MX.zeros(8))
-    backward = ca.vertcat(v, curvature)[:, ::-1]
+    backward = ca.vertcat(v, curvature, reach)[:, ::-1]
     end = body.fold(steps)(last, ca.repmat(weights, 1, steps), backward)
-    return ca.Function("first_gain", [S, weights, v, curvature], [ca.reshape(end[10:], 2, _N)])
+    return ca.Function("first_gain", [S, weights, v, curvature, reach], [ca.reshape(end[10:], 2, _N)])
 
 
 def _inverse(M: ca.SX) -> ca.SX:

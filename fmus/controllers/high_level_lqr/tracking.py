@@ -34,10 +34,11 @@ def continuous_model(v: ca.SX, curvature: ca.SX) -> tuple[ca.SX, ca.SX]:
     return A, B
 
 
-def exact_model(v: ca.SX, curvature: ca.SX, T: float) -> tuple[ca.SX, ca.SX]:
+def exact_model(v: ca.SX, curvature: ca.SX, T: float, reach: ca.SX | float = 0.0) -> tuple[ca.SX, ca.SX]:
     """Phi = exp(A T) and Gamma = int_0^T exp(A s) ds B, by the closed form of the rotation w = v kappa.
 
     The functions of theta = w T are entire; their series of 7 terms are exact to rounding for |theta| < 1.
+    `reach` [m] adds -reach dw to e_n' (see lag.py).
     """
     theta = v * curvature * T
     cosine, sinc = _series(theta, 0), _series(theta, 1)  # cos(theta), sin(theta)/theta
@@ -48,6 +49,7 @@ def exact_model(v: ca.SX, curvature: ca.SX, T: float) -> tuple[ca.SX, ca.SX]:
     Phi[0, :] = ca.horzcat(cosine, S, theta * sinc, v * C)
     Phi[2, :] = ca.horzcat(-theta * sinc, -C, cosine, v * S)
     Gamma[0, :], Gamma[2, :] = ca.horzcat(SS, v * CC), ca.horzcat(-CC, v * SS)
+    Gamma[:, 1] -= reach * ca.vertcat(C, 0, S, 0)
     Gamma[1, 0], Gamma[3, 1] = T, T
     return ca.densify(Phi), Gamma
 
