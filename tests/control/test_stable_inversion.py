@@ -89,7 +89,7 @@ def test_steady_cornering_has_the_understeer_of_the_single_track(v: float) -> No
     bus = {"reference.speed": v, "reference.curvature": curvature, "reference.yaw_rate": v * curvature}
     for k in range(1, 61):
         bus |= {f"preview[{k}].speed": v, f"preview[{k}].curvature": curvature}
-    controller = Direct(COMPONENT)
+    controller = Direct(COMPONENT, NO_FEEDBACK)
     controller.set(bus | {"estimate.velocity.x": v})
     for _ in range(1500):
         controller.sample()
