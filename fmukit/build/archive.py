@@ -1,0 +1,80 @@
+"""The FMU file: PythonFMU's builder makes it, then it is written anew with our description, in a fixed order."""
+
+from __future__ import annotations
+
+import io
+import os
+import sys
+import tempfile
+import zipfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path, PurePosixPath
+
+from pythonfmu.builder import FmuBuilder
+
+_STAMP = (1980, 1, 1, 0, 0, 0)
+_MODE = 0o100644 << 16
+
+
+def python_fmu(script: str, text: str, package: str, files: Mapping[str, bytes]) -> dict[str, bytes]:
+    """Members of the FMU PythonFMU builds from the script and the one package it imports."""
+    with tempfile.TemporaryDirectory(prefix="fmukit-") as name, _clean_imports(package, script):
+        folder = Path(name)
+        for member, data in files.items():
+            path = folder / package / member
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(data)
+        (folder / f"{script}.py").write_text(text, "utf-8")
+        made = FmuBuilder.build_FMU(folder / f"{script}.py", dest=folder, project_files=[folder / package])
+        with zipfile.ZipFile(made) as archive:
+            return {item.filename.replace("\\", "/"): archive.read(item) for item in archive.infolist()}
+
+
+@contextmanager
+def _clean_imports(package: str, script: str) -> Iterator[None]:
+    """Leave neither the modules the builder imports nor its path entries behind, nor let it write bytecode."""
+    path, bytecode = list(sys.path), sys.dont_write_bytecode
+    sys.dont_write_bytecode = True
+    try:
+        yield
+    finally:
+        sys.path[:], sys.dont_write_bytecode = path, bytecode
+        for name in [name for name in sys.modules if name.partition(".")[0] in (package, script)]:
+            del sys.modules[name]
+
+
+def only_platforms(members: Mapping[str, bytes], platforms: tuple[str, ...]) -> dict[str, bytes]:
+    """The members without the PythonFMU binaries of platforms the FMU has no kernel for, and without bytecode."""
+
+    def wanted(name: str) -> bool:
+        parts = PurePosixPath(name).parts
+        return "__pycache__" not in parts and (parts[0] != "binaries" or parts[1] in platforms)
+
+    return {name: data for name, data in members.items() if wanted(name)}
+
+
+def pack(members: Mapping[str, bytes]) -> bytes:
+    """A zip archive that depends on nothing but its members."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED, compresslevel=6) as archive:
+        for name in sorted(members, key=lambda name: (name != "modelDescription.xml", name)):
+            item = zipfile.ZipInfo(name, _STAMP)
+            item.create_system, item.external_attr, item.compress_type = 3, _MODE, zipfile.ZIP_DEFLATED
+            archive.writestr(item, members[name])
+    return buffer.getvalue()
+
+
+def write(path: Path, data: bytes) -> Path:
+    """Write the file at once or not at all, whatever other processes do."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}-")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(data)
+        os.chmod(temporary, 0o644)
+        os.replace(temporary, path)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+    return path

@@ -1,0 +1,109 @@
+"""`build`: one component to one FMU file, the same bytes for the same sources and compiler."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from collections.abc import Mapping, Sequence
+from hashlib import blake2b
+from pathlib import Path
+from uuid import UUID
+
+import pythonfmu
+
+import fmukit.runtime
+from fmukit.build import about, archive, compiler, xml
+from fmukit.build.codegen import Code, generate
+from fmukit.build.dependencies import initial_dependencies
+from fmukit.build.errors import BuildError
+from fmukit.build.sources import component_folder
+from fmukit.component import Component
+from fmukit.interface import Interface, Variable
+
+_INIT = '''"""Made by fmukit: the slave class of this FMU."""
+
+from pathlib import Path
+
+from .runtime import keep, slave_class
+
+{name} = slave_class(Path(__file__).parent)
+'''
+
+
+def build(component: Component, directory: Path | str, platforms: Sequence[str] | None = None) -> Path:
+    """Build `directory`/NAME.fmu for `platforms` (default: this one) and return its path; raises BuildError."""
+    interface = component.interface
+    targets = tuple(platforms or (compiler.host_platform(),))
+    for platform in targets:
+        compiler.command(platform)
+    kernel = component.kernel()
+    code = generate(interface, kernel)
+    files = _package(interface, code, {platform: library(code, platform) for platform in targets})
+    digest = _digest(files)
+    package = f"fmu_{digest.hex()[:16]}"
+    script = f"{interface.name.lower()}_{digest.hex()[:16]}"
+    text = f"from {package} import {interface.name}, keep\nkeep(globals())\n"
+    members = archive.only_platforms(archive.python_fmu(script, text, package, files), targets)
+    members["modelDescription.xml"] = xml.describe(
+        interface, f"{{{UUID(bytes=digest[:16])}}}", about.about(), initial_dependencies(interface, kernel)
+    )
+    members |= _documents(component)
+    return archive.write(Path(directory) / f"{interface.name}.fmu", archive.pack(members))
+
+
+def library(code: Code, platform: str) -> bytes:
+    """The kernel compiled for `platform`."""
+    with tempfile.TemporaryDirectory(prefix="fmukit-") as name:
+        folder = Path(name)
+        (folder / "functions.c").write_text(code.functions, "utf-8")
+        (folder / "sizes.h").write_text(code.sizes, "utf-8")
+        (folder / "shim.c").write_bytes((Path(__file__).parent / "shim.c").read_bytes())
+        return compiler.run(folder, platform)
+
+
+def _package(interface: Interface, code: Code, libraries: Mapping[str, bytes]) -> dict[str, bytes]:
+    """Files of the package inside the FMU."""
+    runtime = Path(fmukit.runtime.__file__).parent
+    files = {f"runtime/{path.name}": path.read_bytes() for path in sorted(runtime.glob("*.py"))}
+    files["__init__.py"] = _INIT.format(name=interface.name).encode()
+    files["interface.json"] = json.dumps(_description(interface, code), indent=1).encode()
+    return files | {compiler.PLATFORMS[platform]: data for platform, data in libraries.items()}
+
+
+def _description(interface: Interface, code: Code) -> dict[str, object]:
+    table = interface.table
+    return {
+        "name": interface.name,
+        "kind": interface.kind,
+        "step": interface.step,
+        "max_substep": interface.max_substep if interface.kind == "continuous" else None,
+        "derived": code.derived,
+        "states": code.states,
+        "table": table and {"parameter": table.parameter, "columns": table.columns, "rows": table.rows},
+        "variables": [_entry(variable) for variable in interface.variables],
+    }
+
+
+def _entry(variable: Variable) -> list[object]:
+    start = variable.start if variable.type == "String" else float(variable.start)
+    limits = (variable.minimum, variable.maximum)
+    return [variable.name, variable.type, variable.causality, start, *limits, variable.unit]
+
+
+def _digest(files: Mapping[str, bytes]) -> bytes:
+    """Hash of everything that makes up the behaviour of the FMU."""
+    digest = blake2b(pythonfmu.__version__.encode(), digest_size=32)
+    for name in sorted(files):
+        digest.update(f"{name} {len(files[name])}\n".encode() + files[name])
+    return digest.digest()
+
+
+def _documents(component: Component) -> dict[str, bytes]:
+    members = {"resources/requirements.txt": b"", **about.licences()}
+    readme = component_folder(component) / "README.md"
+    if readme.is_file():
+        members["documentation/README.md"] = readme.read_bytes()
+    return members
+
+
+__all__ = ["BuildError", "build"]
