@@ -1,4 +1,4 @@
-"""`python -m benchmarks`: every figure of speed in one table, each a ratio against a peer or a floor of the same run."""
+"""`python -m benchmarks`: every figure of speed in one table, as ratios against a peer or a floor of the same run."""
 
 from __future__ import annotations
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import re
 import tomllib
+import zlib
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +23,7 @@ Value = float | int | bool | str
 AXES = ("x", "y", "z")
 WHEELS = ("fl", "fr", "rl", "rr")
 _NAME = re.compile(r"[a-z_][a-z0-9_]*(\[\d+])?(\.[a-z_][a-z0-9_]*(\[\d+])?)*")
+_SEEDS = 2**31
 _TOML_KEYS = {"value", "unit", "min", "max", "description", "source"}
 
 
@@ -118,9 +120,23 @@ def sampled(
     ]
     if noise:
         extra.append(
-            Variable("seed", "parameter", "1", "seed of the noise", 1, minimum=0, maximum=2**31 - 1, type="Integer")
+            Variable(
+                "seed",
+                "parameter",
+                "1",
+                "seed of the noise",
+                _seed(name),
+                minimum=0,
+                maximum=_SEEDS - 1,
+                type="Integer",
+            )
         )
     return Interface(name, description, "sampled", step, _ordered([*variables, *extra]), noise=noise, table=table)
+
+
+def _seed(name: str) -> int:
+    """Another default for every model, so that sensors side by side do not draw the same noise."""
+    return zlib.crc32(name.encode()) % _SEEDS
 
 
 def _ordered(variables: Iterable[Variable]) -> tuple[Variable, ...]:

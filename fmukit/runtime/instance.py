@@ -9,6 +9,7 @@ from __future__ import annotations
 import sys
 import weakref
 from array import array
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -22,6 +23,7 @@ from .ports import Plan, RefusalError
 from .stepping import TOO_LONG, Continuous, Sampled
 
 INSTANTIATED, INITIALISING, STEPPING, TERMINATED = range(4)
+_TOLERANCE = 1e-6
 PLAIN = (RefusalError, table.TableError, library.LibraryError)
 
 
@@ -43,6 +45,8 @@ class Instance(Fmi2Slave):
         self._broken = False
         self._anchored = False
         self._origin = self._time = 0.0
+        self._fault, self._slack = self.description_.fault, _TOLERANCE * self.description_.step
+        self._misfit: Callable[..., int] = _nothing_amiss
         self._get_vrs: list[int] | None = None
         self._set_vrs: list[int] | None = None
         self._fill_start_values()
@@ -63,6 +67,7 @@ class Instance(Fmi2Slave):
     def _attach(self, path: Path) -> None:
         try:
             self._library = library.load(path, self.description_.size)
+            self._misfit = self._library.fmukit_misfit
             weakref.finalize(self, library.release, path).atexit = False
             self._motion = (
                 Continuous(self._library, self._address, self.description_.max_substep)
@@ -99,7 +104,7 @@ class Instance(Fmi2Slave):
     def _refuse(self, error: BaseException) -> None:
         """Log the sentence, raise `fault`, discard the next step."""
         self._pending = True
-        self._buffer[self.description_.fault] = 1.0
+        self._buffer[self._fault] = 1.0
         plain = isinstance(error, PLAIN)
         text = str(error) if plain else f"unexpected {type(error).__name__}: {error}; the call is ignored"
         self._tell(text, Fmi2Status.warning)
@@ -112,6 +117,11 @@ class Instance(Fmi2Slave):
     def _tell(self, text: str, status: Fmi2Status) -> None:
         """Hosts use messages as printf formats: `%` is doubled."""
         self.log(text.encode("utf-8", "replace").decode("utf-8").replace("%", "%%").replace("\0", "?"), status)
+
+
+def _nothing_amiss(*_: int) -> int:
+    """Takes any value: an instance without its library discards every step anyway."""
+    return 0
 
 
 def _leave_path(resources: str) -> None:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import isfinite
-from operator import itemgetter, le
+from operator import itemgetter
 
 from .description import Description, Port
 
@@ -17,13 +17,13 @@ class RefusalError(Exception):
 class Plan:
     """The slots of one list of value references, all of one type."""
 
-    __slots__ = ("_pick", "highs", "lows", "slots", "where")
+    __slots__ = ("_highs", "_lows", "_pick", "slots", "where")
 
     def __init__(self, description: Description, slots: list[int]) -> None:
         ports = [description.ports[slot] for slot in slots]
         self.slots = slots
-        self.lows = [port.low for port in ports]
-        self.highs = [port.high for port in ports]
+        self._lows = array("d", [port.low for port in ports])
+        self._highs = array("d", [port.high for port in ports])
         contiguous = bool(slots) and slots == list(range(slots[0], slots[0] + len(slots)))
         self.where = slice(slots[0], slots[0] + len(slots)) if contiguous else None
         self._pick = itemgetter(*slots) if len(slots) > 1 else None
@@ -33,16 +33,20 @@ class Plan:
             return buffer[self.where].tolist()
         return list(self._pick(buffer)) if self._pick else []
 
-    def write(self, buffer: array[float], values: list[float]) -> None:
+    def write(self, buffer: array[float], values: array[float]) -> None:
         if self.where is not None:
-            buffer[self.where] = array("d", values)
+            buffer[self.where] = values
         else:
             for slot, value in zip(self.slots, values, strict=True):
                 buffer[slot] = value
 
-    def accepts(self, values: list[float]) -> bool:
-        """Whether all values are inside their limits; NaN and infinities are not."""
-        return all(map(le, self.lows, values)) and all(map(le, values, self.highs))
+    def misfit(self, inside: Callable[..., int], values: array[float]) -> int:
+        """Position from 1 of the first value outside its limits, 0 if none; `inside` is the library's check."""
+        return inside(_address(values), _address(self._lows), _address(self._highs), len(values))
+
+
+def _address(values: array[float]) -> int:
+    return values.buffer_info()[0]
 
 
 def plan(description: Description, vrs: Sequence[int], type_: str) -> Plan:

@@ -17,7 +17,6 @@ from .values import Values
 _MODES = ("instantiated", "initialisation", "stepping", "terminated")
 _LONGEST_STEP = 1e9
 _FURTHEST_TIME = 1e12
-_TOLERANCE = 1e-6
 
 
 class Slave(Values):
@@ -61,13 +60,13 @@ class Slave(Values):
             if not self._anchored:
                 self._origin = self._time = current_time
                 self._anchored = True
-            if not self._time - _TOLERANCE * self.description_.step <= current_time <= _FURTHEST_TIME:
+            if not self._time - self._slack <= current_time <= _FURTHEST_TIME:
                 return self._discard(step_size, current_time)
             code = self._motion.step(current_time, step_size, self._origin)
             if code:
                 return self._fail(code, current_time)
             self._time = current_time + step_size
-            self._buffer[self.description_.fault] = 0.0
+            self._buffer[self._fault] = 0.0
             return True
         except BaseException as error:
             self._refuse(error)

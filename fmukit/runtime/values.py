@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from array import array
+
 from pythonfmu.enums import Fmi2Status
 
 from .instance import INITIALISING, PLAIN, STEPPING, TERMINATED, Instance
@@ -94,9 +96,8 @@ class Values(Instance):
 
     def _write(self, where: Plan, values: list[float]) -> None:
         """Store all values of one call, or none when one of them is outside its limits."""
-        if not where.accepts(values):
-            for slot, value in zip(where.slots, values, strict=True):
-                port = self.description_.ports[slot]
-                if not port.low <= value <= port.high:
-                    raise RefusalError(complaint(port, value))
-        where.write(self._buffer, values)
+        taken = array("d", values)
+        misfit = where.misfit(self._misfit, taken)
+        if misfit:
+            raise RefusalError(complaint(self.description_.ports[where.slots[misfit - 1]], taken[misfit - 1]))
+        where.write(self._buffer, taken)
