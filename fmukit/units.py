@@ -9,7 +9,7 @@ import re
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
-from math import isclose, pi
+from math import pi
 
 BASES = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 _TOKEN = re.compile(r"\s*(sqrt\(|[./()]|(?:1|%|[^\W\d_]+)(?:-?\d+)?)")
@@ -33,11 +33,6 @@ class Unit:
         if n == 1:
             return self
         return Unit(self.factor ** float(n), 0.0, tuple(n * exponent for exponent in self.exponents))
-
-    @property
-    def dimension(self) -> tuple[Fraction, ...]:
-        """Exponents without the radian, which is a pure number."""
-        return self.exponents[:-1]
 
 
 def _base(name: str) -> Unit:
@@ -139,12 +134,3 @@ _UNITS = _named()
 def parse(text: str) -> Unit:
     """The unit `text` means; raises ValueError naming the part that is not known."""
     return _expression(text, _UNITS)
-
-
-def conversion(source: str, target: str) -> tuple[float, float]:
-    """(a, b) such that value in `target` = a * value in `source` + b; raises ValueError when they do not match."""
-    one, other = parse(source), parse(target)
-    if one.dimension != other.dimension:
-        raise ValueError(f"a value in {source} cannot be converted to {target}")
-    factor = one.factor / other.factor
-    return (1.0 if isclose(factor, 1.0, rel_tol=1e-15) else factor), (one.offset - other.offset) / other.factor

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from fmukit.units import BASES, Unit, conversion, parse
+from fmukit.units import BASES, Unit, parse
 
 
 def _exponents(**powers: float) -> tuple[float, ...]:
@@ -45,13 +45,3 @@ def test_parse(text: str, unit: Unit) -> None:
 def test_unknown_units_are_named(text: str) -> None:
     with pytest.raises(ValueError, match="unit"):
         parse(text)
-
-
-def test_conversion() -> None:
-    assert conversion("m/s", "m/s") == (1.0, 0.0)
-    assert conversion("km/h", "m/s")[0] == pytest.approx(1 / 3.6)
-    assert conversion("rad/s", "1/s") == (1.0, 0.0)
-    factor, offset = conversion("degC", "K")
-    assert factor * 20.0 + offset == pytest.approx(293.15)
-    with pytest.raises(ValueError, match=r"cannot be converted"):
-        conversion("m", "s")
