@@ -21,7 +21,6 @@ Kind = Literal["continuous", "sampled"]
 Value = float | int | bool | str
 
 AXES = ("x", "y", "z")
-WHEELS = ("fl", "fr", "rl", "rr")
 _NAME = re.compile(r"[a-z_][a-z0-9_]*(\[\d+])?(\.[a-z_][a-z0-9_]*(\[\d+])?)*")
 _SEEDS = 2**31
 _TOML_KEYS = {"value", "unit", "min", "max", "description", "source"}
@@ -182,7 +181,7 @@ def output(name: str, unit: str, description: str, *, nominal: float | None = No
 def group(
     make: Callable[..., Variable], name: str, members: Iterable[str], unit: str, text: str, **options: object
 ) -> list[Variable]:
-    """`make` (`input_`, `output`) once per member: group(input_, "wheel_torque", WHEELS, "N.m", "motor torque")."""
+    """`make` (`input_`, `output`) once per member: group(input_, "force", AXES, "N", "external force")."""
     return [make(f"{name}.{member}", unit, f"{text}, {member}", **options) for member in members]
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import casadi as ca
 
-from fmukit.interface import WHEELS
 from fmukit.kernel import Layout, Signals
+from fmus.wheels import WHEELS
 
 STATE = Layout(roll=1, roll_bias=1, pitch=1, pitch_bias=1, roll_covariance=3, pitch_covariance=3)
 """phi, b_p, theta, b_q and the covariances (angle, angle-bias, bias) of each pair."""

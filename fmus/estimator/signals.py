@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import casadi as ca
 
-from fmukit.interface import AXES, WHEELS
+from fmukit.interface import AXES
 from fmukit.kernel import Layout, Signals, stack, symbols
 from fmus.estimator import attitude
 from fmus.estimator.correction import FIX, LEVER, TRUST
 from fmus.estimator.history import ROW
 from fmus.estimator.interface import INTERFACE
 from fmus.estimator.navigation import BELIEF, PROCESS, READING, STATE, pack, rotation, unpack
+from fmus.wheels import WHEELS
 
 SENSED = Layout(attitude=attitude.STATE.size, rate=3, level=READING.size, started=1)
 """Attitude filters, and what the previous sample read: body rate and levelled reading."""

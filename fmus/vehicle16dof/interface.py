@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from fmukit.interface import AXES, WHEELS, Variable, continuous, group, input_, load_parameters, output
+from fmukit.interface import AXES, Variable, continuous, group, input_, load_parameters, output
+from fmus.wheels import FRONT, WHEELS
 
-FRONT = ("fl", "fr")
 MAX_SUBSTEP = 0.001
 
 _INPUTS: list[Variable] = [

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from fmukit.direct import Direct
-from fmukit.interface import WHEELS
 from fmukit.kernel import Kernel
 from fmus.controllers.low_level_pid import COMPONENT, steering
 from fmus.controllers.low_level_pid.model import STATES
 from fmus.design import DESIGN
+from fmus.wheels import WHEELS
 
 WEIGHT = DESIGN.mass * DESIGN.gravity
 R = DESIGN.loaded_radius

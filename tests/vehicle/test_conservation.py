@@ -6,12 +6,13 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from vehicle_car import SLICES, WHEELS, Car
+from vehicle_car import SLICES, Car
 from vehicle_oracle import car_model, pin_equations
 
 from fmus.vehicle16dof.interface import INTERFACE
 from fmus.vehicle16dof.model import derivative_function
 from fmus.vehicle16dof.states import CORNERS, DERIVED
+from fmus.wheels import WHEELS
 
 pin = pytest.importorskip("pinocchio")
 MakeCar = Callable[..., Car]

@@ -6,9 +6,10 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from vehicle_car import WHEELS, Car
+from vehicle_car import Car
 
 from fmus.design import DESIGN
+from fmus.wheels import WHEELS
 
 MakeCar = Callable[..., Car]
 LOADED = {"cog_offset.x": 0.2, "cog_offset.y": -0.1, "cog_offset.z": 0.1, "payload.mass": 200.0, "payload.y": 0.3}

@@ -13,7 +13,6 @@ from fmukit.direct import Direct
 from fmukit.kernel import Kernel
 from fmus.vehicle16dof.states import STATES
 
-WHEELS = ("fl", "fr", "rl", "rr")
 Control = Callable[[float, "Car"], Mapping[str, float]]
 
 

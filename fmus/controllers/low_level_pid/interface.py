@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from fmukit.interface import WHEELS, Variable, group, input_, load_parameters, output, sampled
+from fmukit.interface import Variable, group, input_, load_parameters, output, sampled
 from fmus.controllers.design_data import design_parameters
+from fmus.wheels import FRONT, WHEELS
 
-FRONT = ("fl", "fr")
 _DESIGN = (
     *("mass", "sprung_mass", "roll_inertia", "pitch_inertia", "yaw_inertia", "l_f", "l_r", "track"),
     *("loaded_radius", "wheel_inertia", "cornering_front", "pneumatic_trail", "drag_area", "air_density", "gravity"),
