@@ -8,9 +8,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
 
-from cosim.archive import refuse_entities
 from cosim.errors import CosimError
 from cosim.units import BASE, Unit
+from fmukit.archive import ArchiveError, refuse_entities
 
 Value = float | int | bool | str
 
@@ -68,11 +68,11 @@ def read_face(folder: Path, origin: Path) -> Face:
     if not xml.is_file():
         raise CosimError(f"{origin} has no modelDescription.xml, so it is not an FMU")
     try:
-        refuse_entities(xml)
+        refuse_entities(xml.name, xml.read_bytes())
         from fmpy.model_description import read_model_description  # noqa: PLC0415  (lazy: `cosim list` needs no FMPy)
 
         description = read_model_description(str(folder))
-    except CosimError as error:
+    except ArchiveError as error:
         raise CosimError(f"{origin}: {error}") from None
     except Exception as error:
         raise CosimError(f"{origin} has an invalid modelDescription.xml: {_one_line(error)}") from None

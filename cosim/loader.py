@@ -9,12 +9,12 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from cosim.archive import unpack
 from cosim.assembly import Node
 from cosim.errors import CosimError
 from cosim.face import Face, read_face
 from cosim.slave import Slave
 from cosim.system import System
+from fmukit.archive import ArchiveError, unpack
 
 Find = Callable[[str], Path]
 
@@ -56,11 +56,18 @@ class Loader:
         if model not in self._models:
             path = Path(model) if model.endswith(".fmu") else self._find(model)
             folder = self._root / str(len(self._models))
-            unpack(path, folder)
+            _unpack(path, folder)
             face = read_face(folder, path)
             _has_binary(folder, face, path)
             self._models[model] = face, folder
         return self._models[model]
+
+
+def _unpack(path: Path, folder: Path) -> None:
+    try:
+        unpack(path, folder)
+    except ArchiveError as error:
+        raise CosimError(str(error)) from None
 
 
 def _has_binary(folder: Path, face: Face, origin: Path) -> None:

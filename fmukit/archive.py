@@ -1,0 +1,128 @@
+"""Reading archives from strangers: no path leaves the folder, no link, no bomb, no document type in XML."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import stat
+import zipfile
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from pathlib import Path, PurePosixPath
+
+MAX_ENTRIES = 20_000
+MAX_BYTES = 1 << 30
+MAX_XML = 64 << 20
+MAX_RATIO = 200  # of entries larger than _SMALL: text and code stay below 20, files of zeros reach 1000
+_SMALL = 16 << 20
+_BLOCK = 1 << 20
+_ENCODING = re.compile(rb"""^\s*<\?xml[^>]*?encoding\s*=\s*["']([^"']*)["']""")
+
+
+class ArchiveError(Exception):
+    """An archive that cannot or must not be read; the text is one sentence."""
+
+
+def entries_of(archive: Path) -> list[zipfile.ZipInfo]:
+    """The table of contents of the zip file `archive`; raises ArchiveError if it has none."""
+    with _opened(archive) as zipped:
+        return zipped.infolist()
+
+
+def read_member(archive: Path, name: str, most: int = MAX_XML) -> bytes:
+    """The bytes of one entry, refused if more than `most`."""
+    try:
+        with _opened(archive) as zipped, zipped.open(name) as source:
+            data = source.read(most + 1)
+    except ArchiveError:
+        raise
+    except Exception as error:
+        raise _unreadable(archive, error) from None
+    if len(data) > most:
+        raise ArchiveError(f"{archive} has the entry {name} of more than {most >> 20} MiB")
+    return data
+
+
+def unpack(archive: Path, folder: Path) -> None:
+    """Unpack the zip file `archive` into the empty or new `folder`; raises ArchiveError on anything suspicious."""
+    with _opened(archive) as zipped:
+        for sentence in hazards(zipped.infolist()):
+            raise ArchiveError(f"{archive} {sentence}")
+        try:
+            _extract(zipped, folder)
+        except Exception as error:  # zipfile raises many kinds: BadZipFile, zlib.error, RuntimeError, EOFError, ...
+            raise _unreadable(archive, error) from None
+
+
+def hazards(entries: Sequence[zipfile.ZipInfo]) -> Iterator[str]:
+    """What makes an archive unsafe to unpack: sentences without a subject, which is the archive."""
+    yield from oversize(entries)
+    for entry in entries:
+        if escapes(entry.filename):
+            yield f"has the entry {entry.filename!r}, which leads out of the archive"
+        if is_special(entry):
+            yield f"has {entry.filename!r}, which is a symbolic link or device and is refused"
+    yield from duplicates(entries)
+
+
+def oversize(entries: Sequence[zipfile.ZipInfo]) -> Iterator[str]:
+    """Too many entries, too many bytes or a compression no honest file reaches."""
+    if len(entries) > MAX_ENTRIES:
+        yield f"has {len(entries)} entries; at most {MAX_ENTRIES} are accepted"
+    if sum(entry.file_size for entry in entries) > MAX_BYTES:
+        yield f"unpacks to more than {MAX_BYTES >> 20} MiB"
+    for entry in entries:
+        if entry.file_size > _SMALL and entry.file_size > MAX_RATIO * entry.compress_size:
+            yield f"has {entry.filename!r}, which is {entry.file_size} bytes packed into {entry.compress_size}"
+
+
+def escapes(name: str) -> bool:
+    """Whether unpacking the entry could write outside the folder, on any system."""
+    path = PurePosixPath(name)
+    return path.is_absolute() or ".." in path.parts or "\\" in name or ":" in name
+
+
+def is_special(entry: zipfile.ZipInfo) -> bool:
+    """Whether the entry is neither a file nor a folder: a symbolic link, a pipe, a device."""
+    return stat.S_IFMT(entry.external_attr >> 16) not in (0, stat.S_IFREG, stat.S_IFDIR)
+
+
+def duplicates(entries: Sequence[zipfile.ZipInfo]) -> Iterator[str]:
+    """Names that occur twice, also if only on systems that do not tell `A` from `a`."""
+    for name, count in Counter(entry.filename.rstrip("/").casefold() for entry in entries).items():
+        if count > 1:
+            yield f"has {count} entries of the name {name!r}"
+
+
+def refuse_entities(name: str, data: bytes) -> None:
+    """Refuse XML that declares entities or a document type, which could read other files or blow up."""
+    encoding = _ENCODING.match(data.removeprefix(b"\xef\xbb\xbf"))
+    plain = encoding is None or re.fullmatch(rb"utf-8|us-ascii|ascii|(iso-8859|windows)-\d+", encoding[1].lower())
+    if not plain or b"\0" in data or data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        raise ArchiveError(f"{name} is not in an 8-bit encoding such as UTF-8")
+    if b"<!DOCTYPE" in data or b"<!ENTITY" in data:
+        raise ArchiveError(f"{name} declares a document type or entities, which is refused")
+
+
+def _opened(archive: Path) -> zipfile.ZipFile:
+    if not archive.is_file():
+        raise ArchiveError(f"there is no file {archive}")
+    try:
+        return zipfile.ZipFile(archive)
+    except Exception as error:
+        raise _unreadable(archive, error) from None
+
+
+def _unreadable(archive: Path, error: Exception) -> ArchiveError:
+    return ArchiveError(f"{archive} is not a readable zip archive: {' '.join(str(error).split())}")
+
+
+def _extract(zipped: zipfile.ZipFile, folder: Path) -> None:
+    for entry in zipped.infolist():  # zipfile hands out no more bytes than an entry declares
+        target = folder / entry.filename
+        if entry.is_dir():
+            target.mkdir(parents=True, exist_ok=True)
+            continue
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with zipped.open(entry) as source, target.open("wb") as sink:
+            shutil.copyfileobj(source, sink, _BLOCK)
