@@ -48,15 +48,15 @@ def _step() -> ca.Function:
     p, u = (ca.MX.sym(name[0], len(INTERFACE.names(name))) for name in ("parameter", "input"))
     d, state, t = ca.MX.sym("d", DERIVED.size), ca.MX.sym("x", STATES.size), ca.MX.sym("t")
     x = _named(state, STATES)
-    x = _move_on(p, u, _named(d, DERIVED), x)
+    x = _move_on(p, u, _named(d, DERIVED), x, t)
     return ca.Function(
         "step", [p, d, u, state, ca.MX.sym("w", 0), t], [ca.vertcat(*(x[n] for n in STATES.sizes)), _tell(p, u, x)]
     )
 
 
-def _move_on(p: ca.MX, u: ca.MX, d: dict[str, ca.MX], x: dict[str, ca.MX]) -> dict[str, ca.MX]:
+def _move_on(p: ca.MX, u: ca.MX, d: dict[str, ca.MX], x: dict[str, ca.MX], t: ca.MX) -> dict[str, ca.MX]:
     """Attitude, history, then either one step ahead or the correction of the past."""
-    sensed, row, T, period, fix, age, count, valid = sense()(p, u, x["sensed"])
+    sensed, row, T, period, fix, age, count, valid = sense()(p, u, x["sensed"], t)
     checkpoint, checkpoint_age = _keep_within_reach(d, x, period)
     x = x | {"sensed": sensed, "checkpoint": checkpoint, "checkpoint_age": checkpoint_age + T}
     x["rows"] = ca.vertcat(x["rows"][ROW.size :], row)

@@ -49,13 +49,14 @@ def prior() -> ca.Function:
 
 
 def sense() -> ca.Function:
-    """(p, u, sensed) -> sensed, row of the history, time since the previous sample, period, and the fix.
+    """(p, u, sensed, t) -> sensed, row of the history, time since the previous sample, period, and the fix with its age.
 
     The row's reading is the mean of this sample's and the previous one's: the interval's mean to second order.
     At the very first sample nothing has passed and the previous reading is this one. Nothing here depends on the
-    belief, so that a late fix changes the past only through the belief.
+    belief, so that a late fix changes the past only through the belief. The age of the fix is counted from its time
+    stamp to the filter's own time t, so that no period has to divide another.
     """
-    p, u, old = symbols(INTERFACE, "parameter"), symbols(INTERFACE, "input"), SENSED.symbol()
+    p, u, old, t = symbols(INTERFACE, "parameter"), symbols(INTERFACE, "input"), SENSED.symbol(), ca.SX.sym("t")
     x = SENSED.split(old)
     omega, f = u.vector("gyroscope", AXES), u.vector("accelerometer", AXES)
     started, T = x["started"], x["started"] * p["sample_period"]
@@ -66,8 +67,9 @@ def sense() -> ca.Function:
     level, lever = _levelled(angles, omega, f, p)
     row = ROW.join({"reading": _mean(level, x["level"], started), "lever": lever})
     new = {"attitude": attitude.STATE.join(angles), "rate": omega, "level": level, "started": ca.SX(1)}
-    outcome = [SENSED.join(new), row, T, p["sample_period"], _fix(u), u["gps.age"], u["gps.fix_count"], u["gps.valid"]]
-    return ca.Function("sense", [p.column, u.column, old], outcome)
+    age = ca.fmax(t - u["gps.time"], 0)
+    outcome = [SENSED.join(new), row, T, p["sample_period"], _fix(u), age, u["gps.fix_count"], u["gps.valid"]]
+    return ca.Function("sense", [p.column, u.column, old, t], outcome)
 
 
 def _mean(new: ca.SX, old: ca.SX, started: ca.SX) -> ca.SX:

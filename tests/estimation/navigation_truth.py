@@ -143,3 +143,18 @@ def navigate(seed, imu, gps, estimator, *, settings=None, signals=None):
     held = {name: np.repeat(values, 2)[: len(signals["time"])] for name, values in satellite.items()}
     start = {"initial.speed": 25.0, "initial.position.x": 0.0} | settings.get("filter", {})
     return run(estimator[0], signals | inertial | held, start, kernel=estimator[1]) | held
+
+
+def navigate_at(periods, seed, imu, gps, estimator, *, signals):
+    """Filter outputs when imu, gps and filter run at `periods` (three whole numbers of ms); `signals` are 1 ms apart.
+
+    Each reads the newest of what it takes, as in the master. The fix count that the filter saw is among the outputs.
+    """
+    sensors, held = (imu, gps), {}
+    for k, (component, kernel), period in zip((0, 1), sensors, periods, strict=False):
+        settings = {"seed": 2 * seed + k, "sample_period": period / 1000}
+        y = run(component, signals, settings, every=period, kernel=kernel)
+        held |= {name: np.repeat(values, period)[: len(signals["time"])] for name, values in y.items()}
+    start = {"initial.speed": 25.0, "initial.position.x": 0.0, "sample_period": periods[2] / 1000}
+    y = run(estimator[0], signals | held, start, every=periods[2], kernel=estimator[1])
+    return y | {"gps.fix_count": held["gps.fix_count"][:: periods[2]]}

@@ -3,7 +3,7 @@
 import casadi as ca
 import numpy as np
 import pytest
-from navigation_truth import TYRE, T, navigate, run, suspension, truth
+from navigation_truth import TYRE, T, navigate, navigate_at, run, suspension, truth
 
 from fmukit.direct import Direct
 from fmus.estimator.navigation import BELIEF, unpack
@@ -183,7 +183,7 @@ def test_covariance_stays_positive_definite(chain):
     feed = [name for name in component.interface.names("input") if name in signals]
     for k in range(800):
         estimator.set({name: signals[name][k] for name in feed} | {"accelerometer.z": 9.81})
-        estimator.set({"gps.valid": 1.0, "gps.fix_count": k // 20, "gps.age": 0.005 * (k % 20)})
+        estimator.set({"gps.valid": 1.0, "gps.fix_count": k // 20, "gps.time": 0.005 * (k - k % 20)})
         estimator.set({"gps.position.x": signals["truth.position.x"][k - k % 20], "gps.velocity.x": 25.0})
         estimator.sample()
         if k % 50 == 7:
@@ -205,6 +205,21 @@ def test_another_sampling_period_gives_the_same_picture(chain):
     y = run(estimator[0], slow | inertial | satellite, settings, kernel=estimator[1])
     assert rms((y["estimate.position.y"] - slow["truth.position.y"])[200:]) < 0.025
     assert (y | satellite)["nis.position"][new_fixes(satellite)].mean() == pytest.approx(4, abs=0.6)
+
+
+@pytest.mark.parametrize("periods", [(5, 10, 7), (5, 7, 5), (3, 11, 8)])
+def test_periods_that_do_not_divide_each_other_stay_consistent(chain, periods):
+    """Periods of imu, gps and filter in ms. A fix is then up to a period older than its receiver last said."""
+    fine = truth(16.0, 0.001)
+    signals = fine | suspension(fine, 0.9 * TYRE)
+    for name, freedom in (("heading", 1), ("position", 4)):
+        values = np.concatenate([y[f"nis.{name}"][new_fixes(y)] for y in at_periods(chain, periods, signals)])
+        assert len(values) > 500
+        assert abs(values.mean() - freedom) < 3 * np.sqrt(2 * freedom / len(values)), name
+
+
+def at_periods(chain, periods, signals):
+    return [navigate_at(periods, seed, *chain, signals=signals) for seed in range(4)]
 
 
 def test_rates_and_sideslip(runs):

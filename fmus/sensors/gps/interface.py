@@ -24,7 +24,9 @@ def gps_bus(make: Callable[..., Variable]) -> list[Variable]:
         *group(make, "gps.velocity", AXES, "m/s", "reported velocity of the main antenna, world frame"),
         make("gps.heading", "rad", "reported direction from the main to the front antenna, as a yaw angle"),
         make("gps.fix_count", "1", "number of fixes reported so far"),
-        make("gps.age", "s", "time since the instant at which the newest reported fix was taken"),
+        make(
+            "gps.time", "s", "instant at which the newest reported fix was taken, counted from the start; 0 before any"
+        ),
         make("gps.valid", "1", "1 while the newest due fix was good, 0 before the first and while fixes are lost"),
     ]
 
@@ -33,6 +35,11 @@ INTERFACE = sampled(
     "GpsReceiver",
     "Dual-antenna satellite receiver: position, velocity and heading with noise, latency, outages and lever arm",
     step=0.010,
-    variables=[*load_parameters(Path(__file__).with_name("parameters.toml")), *_truth(), *gps_bus(output)],
+    variables=[
+        *load_parameters(Path(__file__).with_name("parameters.toml")),
+        *_truth(),
+        *gps_bus(output),
+        output("gps.age", "s", "gps.time seen from the receiver's newest sample: how old the newest reported fix is"),
+    ],
     noise=11,
 )

@@ -92,8 +92,8 @@ def _report(p: Signals, x: dict[str, ca.SX], t: ca.SX) -> dict[str, ca.SX]:
 
 def _outputs(x: dict[str, ca.SX], t: ca.SX) -> ca.SX:
     fix = FIX.split(x["reported"])
-    age = ca.if_else(x["count"] > 0, t - fix["taken"], t)
-    return ca.vertcat(fix["position"], fix["velocity"], fix["heading"], x["count"], age, x["latest"][1])
+    taken = ca.if_else(x["count"] > 0, fix["taken"], 0)
+    return ca.vertcat(fix["position"], fix["velocity"], fix["heading"], x["count"], taken, x["latest"][1], t - taken)
 
 
 def _position_scale(p: Signals) -> ca.SX:
