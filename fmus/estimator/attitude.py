@@ -5,6 +5,7 @@ from __future__ import annotations
 import casadi as ca
 
 from fmukit.kernel import Layout, Signals
+from fmus.rotation import angle_rates
 from fmus.wheels import WHEELS
 
 STATE = Layout(roll=1, roll_bias=1, pitch=1, pitch_bias=1, roll_covariance=3, pitch_covariance=3)
@@ -18,7 +19,7 @@ def step(x: dict[str, ca.SX], rate: ca.SX, reading: ca.SX, T: ca.SX, p: Signals)
 
     phi' = omega_x + tan(theta) (omega_y sin(phi) + omega_z cos(phi)), theta' = omega_y cos(phi) - omega_z sin(phi).
     """
-    phi_dot, theta_dot, _ = euler_rates(x["roll"], x["pitch"], rate - ca.vertcat(x["roll_bias"], x["pitch_bias"], 0))
+    phi_dot, theta_dot, _ = angle_rates(x["roll"], x["pitch"], rate - ca.vertcat(x["roll_bias"], x["pitch_bias"], 0))
     return _axis("roll", x, phi_dot, reading[0], T=T, p=p) | _axis("pitch", x, theta_dot, reading[1], T=T, p=p)
 
 
@@ -50,15 +51,3 @@ def quasi_static(travel: dict[str, ca.SX], force: ca.SX, p: Signals) -> ca.SX:
     roll = ca.atan((fr + rr - fl - rl) / (2 * d)) + moment[1] / (c_z * d**2)
     pitch = ca.atan((fl + fr - rl - rr) / (2 * L)) - moment[0] / (c_z * L**2)
     return ca.vertcat(roll, pitch)
-
-
-def euler_rates(phi: ca.SX, theta: ca.SX, omega: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """phi', theta', psi' from the body rates."""
-    across = omega[1] * ca.sin(phi) + omega[2] * ca.cos(phi)
-    return omega[0] + ca.tan(theta) * across, omega[1] * ca.cos(phi) - omega[2] * ca.sin(phi), across / ca.cos(theta)
-
-
-def levelling(phi: ca.SX, theta: ca.SX) -> ca.SX:
-    """Ry(theta) Rx(phi), 3 x 3: body components to level components."""
-    sf, cf, st, ct = ca.sin(phi), ca.cos(phi), ca.sin(theta), ca.cos(theta)
-    return ca.vertcat(ca.horzcat(ct, st * sf, st * cf), ca.horzcat(0, cf, -sf), ca.horzcat(-st, ct * sf, ct * cf))

@@ -5,7 +5,8 @@ from __future__ import annotations
 import casadi as ca
 
 from fmukit.kernel import Layout
-from fmus.estimator.navigation import BELIEF, PACKED, STAGE_1, STAGE_2, STATE, pack, quarter_turn, rotation, unpack
+from fmus.estimator.navigation import BELIEF, PACKED, STAGE_1, STAGE_2, STATE, pack, quarter_turn, unpack
+from fmus.rotation import rotation_plane
 
 FIX = Layout(position=2, velocity=2, heading=1)
 LEVER = Layout(offset=2, velocity=2)
@@ -54,7 +55,7 @@ def _position(
 def antenna(z: ca.SX, lever: ca.SX) -> ca.SX:
     """Predicted position and velocity of the antenna (4)."""
     s, l = STATE.split(z), LEVER.split(lever)  # noqa: E741 (the book's lever arm)
-    Rz = rotation(s["heading"])
+    Rz = rotation_plane(s["heading"])
     velocity = s["velocity"] + l["velocity"] - s["gyroscope_bias"] * quarter_turn(l["offset"])
     return ca.vertcat(s["position"] + Rz @ l["offset"] + s["gps_error"], Rz @ velocity)
 

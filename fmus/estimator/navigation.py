@@ -8,6 +8,7 @@ from __future__ import annotations
 import casadi as ca
 
 from fmukit.kernel import Layout
+from fmus.rotation import rotation_plane
 
 STATE = Layout(heading=1, gyroscope_bias=1, position=2, velocity=2, accelerometer_bias=2, gps_error=2)
 """psi [rad], b_g [rad/s] (stage 1); p [m] world, w [m/s] and b_a [m/s2] level, c [m] slow receiver error (stage 2)."""
@@ -40,7 +41,7 @@ def derivative(z: ca.SX, reading: ca.SX, process: ca.SX) -> ca.SX:
     rates = {
         "heading": r,
         "gyroscope_bias": ca.SX(1, 1),
-        "position": rotation(s["heading"]) @ s["velocity"],
+        "position": rotation_plane(s["heading"]) @ s["velocity"],
         "velocity": a - r * quarter_turn(s["velocity"]),
         "accelerometer_bias": ca.SX(2, 1),
         "gps_error": -PROCESS.split(process)["gps_decay"] * s["gps_error"],
@@ -58,7 +59,7 @@ def transition(z: ca.SX, reading: ca.SX, T: ca.SX, process: ca.SX) -> ca.SX:
     alpha, w = r * T, s["velocity"]
     later = s | {
         "heading": s["heading"] + alpha,
-        "position": s["position"] + rotation(s["heading"]) @ (T * w + T**2 * (_series(alpha, 2) @ a)),
+        "position": s["position"] + rotation_plane(s["heading"]) @ (T * w + T**2 * (_series(alpha, 2) @ a)),
         "velocity": _series(-alpha, 0) @ (w + T * (_series(alpha, 1) @ a)),
         "gps_error": ca.exp(-T * PROCESS.split(process)["gps_decay"]) * s["gps_error"],
     }
@@ -81,12 +82,6 @@ def noise(z: ca.SX, reading: ca.SX, T: ca.SX, process: ca.SX) -> ca.SX:
     AQ = A @ Qc
     AAQ = A @ AQ
     return Qc * T + (AQ + AQ.T) * T**2 / 2 + (AAQ + 2 * AQ @ A.T + AAQ.T) * T**3 / 6
-
-
-def rotation(angle: ca.SX) -> ca.SX:
-    """Rz, 2 x 2."""
-    c, s = ca.cos(angle), ca.sin(angle)
-    return ca.vertcat(ca.horzcat(c, -s), ca.horzcat(s, c))
 
 
 def quarter_turn(vector: ca.SX) -> ca.SX:

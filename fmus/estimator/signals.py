@@ -10,7 +10,8 @@ from fmus.estimator import attitude
 from fmus.estimator.correction import FIX, LEVER, TRUST
 from fmus.estimator.history import ROW
 from fmus.estimator.interface import INTERFACE
-from fmus.estimator.navigation import BELIEF, PROCESS, READING, STATE, pack, rotation, unpack
+from fmus.estimator.navigation import BELIEF, PROCESS, READING, STATE, pack, unpack
+from fmus.rotation import angle_rates, levelling, rotation_plane
 from fmus.wheels import WHEELS
 
 SENSED = Layout(attitude=attitude.STATE.size, rate=3, level=READING.size, started=1)
@@ -38,7 +39,7 @@ def prior() -> ca.Function:
     psi, lever = p["initial.yaw"], p.vector("imu.position", "xy")
     mean = {name: ca.SX.zeros(size) for name, size in STATE.sizes.items()}
     mean |= {"heading": psi, "velocity": ca.vertcat(p["initial.speed"], 0)}
-    mean["position"] = p.vector("initial.position", "xy") + rotation(psi) @ lever
+    mean["position"] = p.vector("initial.position", "xy") + rotation_plane(psi) @ lever
     pair = ca.vertcat(p["initial.std.attitude"] ** 2, 0, p["initial.std.gyroscope_bias"] ** 2)
     angles = {name: ca.SX.zeros(size) for name, size in attitude.STATE.sizes.items()}
     angles |= {"roll_covariance": pair, "pitch_covariance": pair}
@@ -49,7 +50,7 @@ def prior() -> ca.Function:
 
 
 def sense() -> ca.Function:
-    """(p, u, sensed, t) -> sensed, row of the history, time since the previous sample, period, and the fix with its age.
+    """(p, u, sensed, t) -> sensed, row of the history, time since the previous sample, period, and the fix and its age.
 
     The row's reading is the mean of this sample's and the previous one's: the interval's mean to second order.
     At the very first sample nothing has passed and the previous reading is this one. Nothing here depends on the
@@ -80,8 +81,8 @@ def _levelled(angles: dict[str, ca.SX], omega: ca.SX, f: ca.SX, p: Signals) -> t
     """READING and the LEVER from the inertial unit to the antenna; z bias of the gyroscope not removed."""
     phi, theta = angles["roll"], angles["pitch"]
     free = omega - ca.vertcat(angles["roll_bias"], angles["pitch_bias"], 0)
-    C, arm = attitude.levelling(phi, theta), p.vector("antenna.position", AXES) - p.vector("imu.position", AXES)
-    psi_dot = attitude.euler_rates(phi, theta, free)[2]
+    C, arm = levelling(phi, theta), p.vector("antenna.position", AXES) - p.vector("imu.position", AXES)
+    psi_dot = angle_rates(phi, theta, free)[2]
     reading = READING.join({"yaw_rate": psi_dot, "acceleration": (C @ f)[0:2]})
     lever = LEVER.join({"offset": (C @ arm)[0:2], "velocity": (C @ ca.cross(free, arm))[0:2]})
     return reading, lever
@@ -115,11 +116,11 @@ def outputs() -> ca.Function:
 def _motion(s: dict[str, ca.SX], angles: dict[str, ca.SX], omega: ca.SX, p: Signals) -> dict[str, ca.SX]:
     """Carried from the inertial unit to O1 as a rigid body; O1 is taken to move horizontally."""
     phi, theta, psi = angles["roll"], angles["pitch"], s["heading"]
-    C, arm = attitude.levelling(phi, theta), -p.vector("imu.position", AXES)
-    position = s["position"] + rotation(psi) @ (C @ arm)[0:2]
+    C, arm = levelling(phi, theta), -p.vector("imu.position", AXES)
+    position = s["position"] + rotation_plane(psi) @ (C @ arm)[0:2]
     level = s["velocity"] + (C @ ca.cross(omega, arm))[0:2]
     v = C.T @ ca.vertcat(level, 0)
-    rates = attitude.euler_rates(phi, theta, omega)
+    rates = angle_rates(phi, theta, omega)
     return {
         "estimate.position.x": position[0],
         "estimate.position.y": position[1],

@@ -1,4 +1,4 @@
-"""Attitude as a unit quaternion (w, x, y, z), body to world; R = Rz(yaw) Ry(pitch) Rx(roll)."""
+"""Attitude as a unit quaternion (w, x, y, z), body to world: the form in which the car is integrated."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def rate(attitude: ca.SX, omega: ca.SX) -> ca.SX:
 
 
 def from_angles(roll: ca.SX, pitch: ca.SX, yaw: ca.SX) -> ca.SX:
-    """The quaternion of roll, pitch and yaw."""
+    """The quaternion of `fmus.rotation.body_to_world(roll, pitch, yaw)`."""
     (c_r, s_r), (c_p, s_p), (c_y, s_y) = ((ca.cos(a / 2), ca.sin(a / 2)) for a in (roll, pitch, yaw))
     return ca.vertcat(
         c_r * c_p * c_y + s_r * s_p * s_y,
@@ -30,9 +30,3 @@ def from_angles(roll: ca.SX, pitch: ca.SX, yaw: ca.SX) -> ca.SX:
         c_r * s_p * c_y + s_r * c_p * s_y,
         c_r * c_p * s_y - s_r * s_p * c_y,
     )
-
-
-def angles(R: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """(roll, pitch, yaw) of R."""
-    pitch = ca.atan2(-R[2, 0], ca.sqrt(R[2, 1] * R[2, 1] + R[2, 2] * R[2, 2]))
-    return ca.atan2(R[2, 1], R[2, 2]), pitch, ca.atan2(R[1, 0], R[0, 0])

@@ -6,7 +6,8 @@ import casadi as ca
 
 from fmukit.interface import AXES
 from fmukit.kernel import Kernel, Signals, continuous_kernel, stack, symbols
-from fmus.vehicle16dof import attitude, start, static_equilibrium, tree
+from fmus.rotation import angles
+from fmus.vehicle16dof import start, static_equilibrium, tree
 from fmus.vehicle16dof.equations import Motion, derivative, evaluate
 from fmus.vehicle16dof.integration import rk4
 from fmus.vehicle16dof.interface import INTERFACE
@@ -68,7 +69,7 @@ def _initialise(p: ca.MX, u: ca.MX) -> ca.Function:
 
 
 def _outputs(x: dict[str, ca.SX], motion: Motion) -> dict[str, ca.SX]:
-    roll, pitch, yaw = attitude.angles(motion.R)
+    roll, pitch, yaw = angles(motion.R)
     a, wheels = motion.accelerations, motion.wheels
     acceleration = a.specific_force + motion.gravity
     return {

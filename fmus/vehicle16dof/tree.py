@@ -13,6 +13,7 @@ from typing import Any
 import casadi as ca
 
 from fmukit.kernel import Signals
+from fmus.rotation import rotation_x, rotation_z
 from fmus.vehicle16dof.states import CORNERS, Corner, symmetric, unsprung_mass, wheel_place
 
 
@@ -47,16 +48,6 @@ class Body:
     mass: Any
     mass_moment: Any
     inertia: Any
-
-
-def rotation_x(angle: Any) -> ca.SX:
-    c, s = ca.cos(angle), ca.sin(angle)
-    return ca.vertcat(ca.horzcat(1, 0, 0), ca.horzcat(0, c, -s), ca.horzcat(0, s, c))
-
-
-def rotation_z(angle: Any) -> ca.SX:
-    c, s = ca.cos(angle), ca.sin(angle)
-    return ca.vertcat(ca.horzcat(c, -s, 0), ca.horzcat(s, c, 0), ca.horzcat(0, 0, 1))
 
 
 def joints(p: Signals) -> tuple[Joint, ...]:

@@ -6,6 +6,7 @@ import casadi as ca
 
 from fmukit.interface import AXES
 from fmukit.kernel import Kernel, Layout, Signals, sampled_kernel, symbols
+from fmus.rotation import body_to_world
 from fmus.sensors.gps.interface import INTERFACE
 
 IN_FLIGHT = 8  # longest latency 0.3 s over shortest fix period 0.05 s, and one to spare
@@ -55,7 +56,8 @@ def _take(p: Signals, u: Signals, w: ca.SX, t: ca.SX, x: dict[str, ca.SX]) -> di
 
 def _fix(p: Signals, u: Signals, w: ca.SX, t: ca.SX, correlated: ca.SX) -> ca.SX:
     """Antenna position p + R l, velocity R (v + omega x l) and yaw, with their errors."""
-    R, lever = _attitude(u), p.vector("antenna.position", AXES)
+    R = body_to_world(u["truth.roll"], u["truth.pitch"], u["truth.yaw"])
+    lever = p.vector("antenna.position", AXES)
     position = u.vector("truth.position", AXES) + R @ lever
     velocity = R @ (u.vector("truth.velocity", AXES) + ca.cross(u.vector("truth.angular_rate", AXES), lever))
     heading = u["truth.yaw"] + p["heading.noise"] / p["antenna.baseline"] * w[9]
@@ -98,16 +100,3 @@ def _outputs(x: dict[str, ca.SX], t: ca.SX) -> ca.SX:
 
 def _position_scale(p: Signals) -> ca.SX:
     return ca.vertcat(1, 1, p["position.vertical_ratio"])
-
-
-def _attitude(u: Signals) -> ca.SX:
-    """R = Rz(yaw) Ry(pitch) Rx(roll), 3 x 3."""
-    (sf, cf), (st, ct), (sp, cp) = (
-        (ca.sin(u[f"truth.{a}"]), ca.cos(u[f"truth.{a}"])) for a in ("roll", "pitch", "yaw")
-    )
-    rows = (
-        (cp * ct, cp * st * sf - sp * cf, cp * st * cf + sp * sf),
-        (sp * ct, sp * st * sf + cp * cf, sp * st * cf - cp * sf),
-        (-st, ct * sf, ct * cf),
-    )
-    return ca.vertcat(*(ca.horzcat(*row) for row in rows))
