@@ -1,7 +1,11 @@
-"""`python -m benchmarks`: every figure of speed in one table, as ratios against a peer or a floor of the same run."""
+"""`python -m benchmarks`: every figure of speed in one table, as ratios against a peer or a floor of the same run.
+
+`--rounds 1` makes it quick, to see that everything runs; its figures mean little.
+"""
 
 from __future__ import annotations
 
+import argparse
 import os
 from collections.abc import Iterator
 
@@ -16,30 +20,39 @@ Row = tuple[str, str, str, str]
 
 def main() -> None:
     """Measure on one core, where the system lets a process choose, and print."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description="The figures of speed, as ratios.")
+    parser.add_argument("--rounds", type=_positive, help="rounds of every figure (default: enough to trust them)")
+    rounds = parser.parse_args().rounds
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     table = Table("what", "value", "against", "aim")
-    for rows in (_exchange(), _kernel(), _loop()):
+    for rows in (_exchange(rounds), _kernel(rounds), _loop(rounds)):
         for row in rows:
             table.add_row(*row)
         table.add_section()
     Console().print(table)
 
 
-def _exchange() -> Iterator[Row]:
-    seen = exchange.measure(fmu_path("Vehicle16Dof"))
+def _positive(text: str) -> int:
+    if int(text) < 1:
+        raise ValueError
+    return int(text)
+
+
+def _exchange(rounds: int | None) -> Iterator[Row]:
+    seen = exchange.measure(fmu_path("Vehicle16Dof"), rounds=rounds or exchange.ROUNDS)
     against = f"{seen['exchange']:.1f} us / {seen['reference']:.1f} us of an empty PythonFMU slave with the same ports"
     yield "Vehicle16Dof: set + 1 ms step + get", f"{seen['ratio']:.2f}", against, "<= 2.0"
 
 
-def _kernel() -> Iterator[Row]:
-    seen = plant_kernel.measure()
+def _kernel(rounds: int | None) -> Iterator[Row]:
+    seen = plant_kernel.measure(rounds or plant_kernel.ROUNDS)
     against = f"{seen['kernel']:.1f} us / {seen['mujoco']:.1f} us of MuJoCo's RK4, same tree without tyres"
     yield "plant kernel: one RK4 step with tyres", f"{seen['ratio']:.2f}", against, "<= 0.6"
 
 
-def _loop() -> Iterator[Row]:
-    seen = closed_loop.measure()
+def _loop(rounds: int | None) -> Iterator[Row]:
+    seen = closed_loop.measure(rounds=rounds or closed_loop.ROUNDS)
     yield "high-speed-tracking, recorder on", f"{seen.real_time_factor:.1f}", "real time", "25, at least 15"
     yield "share of the master", f"{seen.share['master']:.1%}", "wall time of the run", "< 25 %"
     for name, microseconds in seen.microseconds_per_call.items():

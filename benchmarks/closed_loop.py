@@ -11,7 +11,7 @@ from typing import Any
 from cosim.run import Request, run
 from cosim.scenarios import load
 
-_RUNS = 7
+ROUNDS = 7
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,11 +23,13 @@ class ClosedLoop:
     share: dict[str, float]
 
 
-def measure(name: str = "high-speed-tracking") -> ClosedLoop:
-    """Run the scenario several times in this process; results go to a scratch folder."""
+def measure(name: str = "high-speed-tracking", rounds: int = ROUNDS, stop_time: float | None = None) -> ClosedLoop:
+    """Run the scenario `rounds` times after one to warm up, in this process; results go to a scratch folder."""
     scenario = load(name)
     with tempfile.TemporaryDirectory() as folder:
-        summaries = [run(Request(scenario, Path(folder) / str(i)))[0] for i in range(_RUNS + 1)][1:]
+        summaries = [run(Request(scenario, Path(folder) / str(i), stop_time=stop_time))[0] for i in range(rounds + 1)][
+            1:
+        ]
     instances = summaries[0]["instances"]
     share = {name: median(_share(s, name) for s in summaries) for name in instances}
     return ClosedLoop(

@@ -20,7 +20,7 @@ from fmpy.fmi2 import FMU2Slave
 from fmpy.model_description import ModelDescription
 from pythonfmu.builder import FmuBuilder
 
-_ROUNDS = 25
+ROUNDS = 25
 _CALLS = 400
 
 _HEAD = """from pythonfmu import Fmi2Causality, Fmi2Slave, Real
@@ -41,7 +41,7 @@ class {name}(Fmi2Slave):
 """
 
 
-def measure(path: Path, step: float = 1e-3) -> dict[str, float]:
+def measure(path: Path, step: float = 1e-3, rounds: int = ROUNDS) -> dict[str, float]:
     """Median microseconds per exchange of the FMU at `path` (`exchange`) and of its empty twin (`reference`).
 
     `ratio` is the median of the ratios of neighbouring rounds; `inputs` and `outputs` count the Real ports.
@@ -50,7 +50,7 @@ def measure(path: Path, step: float = 1e-3) -> dict[str, float]:
     inputs, outputs = _ports(description, "input"), _ports(description, "output")
     with tempfile.TemporaryDirectory() as name:
         twin = _twin(Path(name), f"Twin{description.modelName}", len(inputs), len(outputs))
-        rounds = _alternate(_exchange(path, step), _exchange(twin, step))
+        rounds = _alternate(_exchange(path, step), _exchange(twin, step), rounds)
     own, reference = [pair[0] for pair in rounds], [pair[1] for pair in rounds]
     return {
         "inputs": len(inputs),
@@ -61,9 +61,9 @@ def measure(path: Path, step: float = 1e-3) -> dict[str, float]:
     }
 
 
-def _alternate(one: Callable[[int], None], other: Callable[[int], None]) -> list[tuple[float, float]]:
-    rounds = [(_time(one), _time(other)) for _ in range(_ROUNDS + 2)]
-    return rounds[2:]
+def _alternate(one: Callable[[int], None], other: Callable[[int], None], rounds: int) -> list[tuple[float, float]]:
+    """Microseconds per exchange of both, round by round; the first two rounds warm up."""
+    return [(_time(one), _time(other)) for _ in range(rounds + 2)][2:]
 
 
 def _time(exchange: Callable[[int], None]) -> float:

@@ -19,18 +19,10 @@ from fmus.vehicle16dof import COMPONENT, INTERFACE
 from fmus.vehicle16dof.states import CORNERS, Corner
 
 STEP = 0.001
-_STEPS, _ROUNDS = 20_000, 7
-# -Bsymbolic: glibc has a function `step` of its own
-_FLAGS = (
-    "-O2",
-    "-fno-math-errno",
-    "-fno-trapping-math",
-    "-ffp-contract=off",
-    "-w",
-    "-shared",
-    "-fPIC",
-    "-Wl,-Bsymbolic",
-)
+_STEPS = 20_000
+ROUNDS = 7
+# glibc has a function `step` of its own; `loop` must be seen
+_FLAGS = ("-Wl,-Bsymbolic", "-fvisibility=default")
 _LOOP = """
 #include "plant.c"
 #include <string.h>
@@ -47,12 +39,12 @@ void loop(const double *p, const double *d, const double *u, double *x, double h
 _DRIVING = {"steer_torque.fl": 20.0, "steer_torque.fr": 20.0, "wheel_torque.rl": 60.0, "wheel_torque.rr": 60.0}
 
 
-def measure() -> dict[str, float]:
+def measure(rounds: int = ROUNDS) -> dict[str, float]:
     """Best of several rounds, both in C loops of this process: `kernel` and `mujoco` [us per step], and their ratio."""
     with tempfile.TemporaryDirectory() as folder:
         plant = _plant(Path(folder))
         tree = _tree()
-        times = [(_timed(plant), _timed(tree)) for _ in range(_ROUNDS)]
+        times = [(_timed(plant), _timed(tree)) for _ in range(rounds)]
     kernel, peer = (min(column) / _STEPS * 1e6 for column in zip(*times, strict=True))
     return {"kernel": kernel, "mujoco": peer, "ratio": kernel / peer}
 
@@ -87,8 +79,9 @@ def _compile(step: ca.Function, folder: Path) -> None:
     generator.generate(f"{folder}/")
     (folder / "loop.c").write_text(_LOOP)
     sizes = {"ARG": step.sz_arg(), "RES": step.sz_res(), "IW": step.sz_iw(), "W": step.sz_w()}
-    flags = [*_FLAGS, *(f"-DSZ_{name}={size}" for name, size in sizes.items())]
-    command = [*compiler.command(compiler.host_platform()), *flags, "loop.c", "-o", "loop.so", "-lm"]
+    platform = compiler.host_platform()
+    flags = [*compiler.flags(platform), *_FLAGS, *(f"-DSZ_{name}={size}" for name, size in sizes.items())]
+    command = [*compiler.command(platform), *flags, "loop.c", "-o", "loop.so", "-lm"]
     subprocess.run(command, cwd=folder, check=True)
 
 

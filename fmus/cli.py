@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
@@ -12,6 +14,7 @@ from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
+from fmukit.build.compiler import PLATFORMS
 from fmukit.build.errors import BuildError
 from fmukit.component import Component
 from fmus import CATALOGUE
@@ -70,21 +73,33 @@ def list_(as_json: Annotated[bool, typer.Option("--json", help="Print JSON and n
 
 @app.command()
 def build(
-    names: Annotated[list[str] | None, typer.Argument(metavar="[NAME]...", help="Default: all.")] = None,
+    names: Annotated[
+        list[str] | None, typer.Argument(metavar="[NAME]...", help="FMUs (default: all); platform names count too.")
+    ] = None,
     directory: Annotated[Path, typer.Option("-d", "--directory", help="Where to put the FMUs.")] = Path("fmu"),
-    platform: Annotated[list[str] | None, typer.Option(help="linux64 or win64; may be repeated.")] = None,
+    platform: Annotated[
+        list[str] | None, typer.Option(help="linux64, win64 or both: --platform linux64 win64 (default: this one).")
+    ] = None,
 ) -> None:
-    """Build FMUs into a folder."""
-    components = _select(names or [])
+    """Build FMUs into a folder and print their paths."""
+    platforms = list(dict.fromkeys([*(platform or []), *(name for name in names or [] if name in PLATFORMS)]))
+    for component in _select([name for name in names or [] if name not in PLATFORMS]):
+        with _busy(component.interface.name):
+            path = _build(component, directory, platforms)
+        print(path, flush=True)
+
+
+@contextmanager
+def _busy(name: str) -> Iterator[None]:
+    """A spinner and the time passed, only on a terminal."""
     columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True)) as progress:
-        for component in components:
-            task = progress.add_task(component.interface.name, total=1)
-            path = _build(component, directory, platform)
-            progress.update(task, description=str(path), completed=1)
+    console = Console(stderr=True)
+    with Progress(*columns, console=console, transient=True, disable=not sys.stderr.isatty()) as progress:
+        progress.add_task(name, total=None)
+        yield
 
 
-def _build(component: Component, directory: Path, platforms: list[str] | None) -> Path:
+def _build(component: Component, directory: Path, platforms: Sequence[str]) -> Path:
     from fmukit.build.builder import build as build_fmu  # noqa: PLC0415 (imports casadi)
 
     return build_fmu(component, directory, platforms)

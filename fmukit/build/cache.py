@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tempfile
+import zipfile
 from collections.abc import Sequence
 from hashlib import blake2b
 from importlib.metadata import version
@@ -12,6 +14,7 @@ from time import time
 from platformdirs import user_cache_path
 
 from fmukit.build import compiler
+from fmukit.build.errors import BuildError
 from fmukit.build.sources import fingerprint
 from fmukit.component import Component
 
@@ -24,16 +27,42 @@ def cache_folder() -> Path:
 
 
 def cached(component: Component, directory: Path | None = None, platforms: Sequence[str] | None = None) -> Path:
-    """The component's FMU, built when its sources, tools or compiler have changed since it was built last."""
+    """The component's FMU, built when its sources, tools or compiler have changed since it was built last.
+
+    A damaged file is built anew. Raises BuildError, also when the folder cannot be written.
+    """
     targets = tuple(platforms or (compiler.host_platform(),))
     name = component.interface.name
     path = (directory or cache_folder()) / f"{name}-{_key(component, targets)}" / f"{name}.fmu"
-    if not path.is_file():
+    if not _sound(path):
+        _check_writable(path.parent)
         from fmukit.build.builder import build  # noqa: PLC0415 (imports casadi)
 
         build(component, path.parent, targets)
         _prune(path.parent)
     return path
+
+
+def _sound(path: Path) -> bool:
+    """Whether the file is there and whole: an interrupted copy or a full disk may have left half of it."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return "modelDescription.xml" in archive.namelist() and archive.testzip() is None
+    except Exception:  # damaged bytes make zipfile raise almost anything
+        return False
+
+
+def _check_writable(folder: Path) -> None:
+    """Say so before the long build."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder) as file:
+            file.write(b"x")
+    except OSError as error:
+        raise BuildError(
+            f"the cache folder {folder} cannot be written ({error.strerror}); "
+            "make it writable, free some space, or name another place in XDG_CACHE_HOME"
+        ) from error
 
 
 def _prune(made: Path) -> None:

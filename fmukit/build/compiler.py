@@ -61,16 +61,25 @@ def identity(platform: str) -> str:
         version = subprocess.run([*compiler, "--version"], capture_output=True, text=True, timeout=60, check=False)
     except (OSError, subprocess.TimeoutExpired) as error:
         raise BuildError(f"the compiler {' '.join(compiler)} does not run ({error}); correct or unset CC") from error
-    return "\n".join([*compiler, *_FLAGS, *_LINUX, version.stdout])
+    return "\n".join([*compiler, *flags(platform), version.stdout])
+
+
+def flags(platform: str) -> tuple[str, ...]:
+    """The flags every kernel for `platform` is compiled with."""
+    return (*_FLAGS, *(_LINUX if platform == "linux64" else ()))
 
 
 def run(folder: Path, platform: str) -> bytes:
     """Compile `folder`/shim.c into a shared library and return it. Names are relative: no path gets into it."""
     library = PLATFORMS[platform]
-    flags = (*_FLAGS, *(_LINUX if platform == "linux64" else ()))
-    line = [*command(platform), *flags, "-o", library, "shim.c", *(("-lm",) if platform == "linux64" else ())]
+    line = [*command(platform), *flags(platform), "-o", library, "shim.c", *(("-lm",) if platform == "linux64" else ())]
     done = subprocess.run(line, cwd=folder, capture_output=True, text=True, check=False)
-    if done.returncode:
-        last = (done.stderr.strip().splitlines() or ["no message"])[0]
-        raise BuildError(f"the compiler {line[0]} failed: {last}")
-    return (folder / library).read_bytes()
+    made = folder / library
+    if done.returncode or not made.is_file():
+        said = (done.stderr.strip().splitlines() or [f"status {done.returncode}, no message, no library"])[0]
+        raise BuildError(f"the compiler {' '.join(command(platform))} failed ({said}); {_remedy()}")
+    return made.read_bytes()
+
+
+def _remedy() -> str:
+    return "correct or unset CC" if os.environ.get("CC") else "set CC to one that works"

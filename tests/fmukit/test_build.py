@@ -9,7 +9,7 @@ import subprocess
 import sys
 import sysconfig
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -151,6 +151,45 @@ def test_cached_fmu_is_reused_and_needs_no_casadi(tmp_path: Path) -> None:
     )
     assert json.loads(done.stdout) == [str(built), False]
     assert built.stat().st_mtime_ns == stamp
+
+
+def _cut(path: Path) -> None:
+    path.write_bytes(path.read_bytes()[:-100])
+
+
+def _flip(path: Path) -> None:
+    data = bytearray(path.read_bytes())
+    data[len(data) // 2] ^= 0xFF
+    path.write_bytes(data)
+
+
+def _empty(path: Path) -> None:
+    path.write_bytes(b"")
+
+
+@pytest.mark.parametrize("damage", [_cut, _flip, _empty])
+def test_damaged_fmu_in_the_cache_is_built_anew(tmp_path: Path, damage: Callable[[Path], None]) -> None:
+    good = cache.cached(demo_spring.COMPONENT, tmp_path)
+    data = good.read_bytes()
+    damage(good)
+    assert cache.cached(demo_spring.COMPONENT, tmp_path) == good
+    assert good.read_bytes() == data
+
+
+def test_cache_that_cannot_be_written_is_one_sentence_with_the_remedy(tmp_path: Path) -> None:
+    folder = tmp_path / "file" / "cache"
+    folder.parent.write_text("in the way")
+    with pytest.raises(BuildError, match=r"cache folder .*file/cache.* cannot be written \(.+\); .*XDG_CACHE_HOME"):
+        cache.cached(demo_spring.COMPONENT, folder)
+
+
+@pytest.mark.parametrize(("chosen", "status"), [("false", 1), ("true", 0)])
+def test_compiler_that_says_nothing_is_named_with_the_remedy(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, no_memory: None, chosen: str, status: int
+) -> None:
+    monkeypatch.setenv("CC", chosen)
+    with pytest.raises(BuildError, match=rf"compiler {chosen} failed \(status {status}, .*\); correct or unset CC"):
+        build(demo_spring.COMPONENT, tmp_path)
 
 
 def test_missing_compiler_is_one_sentence_with_the_remedy(

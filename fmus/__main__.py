@@ -1,0 +1,5 @@
+"""`python -m fmus`."""
+
+from fmus.cli import main
+
+main()
