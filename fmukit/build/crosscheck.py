@@ -1,0 +1,85 @@
+"""The cross-check bundle of an FMU: inputs, reference outputs and settings, in the format of the FMI cross-check.
+
+CSV files have a quoted header, no trailing separators and at most 1 MB.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from fmukit.build.archive import write
+from fmukit.build.errors import BuildError
+from fmukit.build.recording import Recording, record, shown
+from fmukit.component import Component
+from fmukit.kernel import Kernel
+from fmukit.reference_run import reference_run
+
+RELATIVE_TOLERANCE = 1e-6
+_LARGEST = 1_000_000
+_README = """{name}: cross-check bundle
+{line}
+{text}
+
+{name}.fmu       the FMU (FMI 2.0 co-simulation)
+{inputs}
+{name}_ref.csv   outputs at every communication point
+{name}_ref.opt   start time, stop time, communication step, relative tolerance
+
+Parameters keep their start values. Inputs are held over a communication step: in {name}_in.csv the row of a
+communication point holds until the next one. The reference comes from the equations evaluated by CasADi, not from
+the FMU, so that agreement is evidence. The FMU is Python based: a host that is not Python needs a Python 3
+interpreter that it can find.
+
+In FMPy:
+
+    fmpy simulate {name}.fmu {options}--output-interval {step:g} --stop-time {stop:g}
+"""
+
+
+def write_bundle(component: Component, directory: Path) -> list[Path]:
+    """Write the bundle beside the FMU in `directory`; [] for a component without a reference run."""
+    run = reference_run(component)
+    if run is None:
+        return []
+    kernel: Kernel = component.kernel()
+    members = bundle(component.interface.name, record(component, kernel, run))
+    return [write(directory / name, data) for name, data in members.items()]
+
+
+def bundle(name: str, recording: Recording) -> dict[str, bytes]:
+    """The files of the bundle by name; raises BuildError when a table is larger than the rules allow."""
+    files = {f"{name}_ref.csv": table(recording.times, recording.outputs)}
+    if recording.inputs:
+        files[f"{name}_in.csv"] = table(recording.times, recording.inputs)
+    for file, data in files.items():
+        if len(data) > _LARGEST:
+            raise BuildError(f"{file} has {len(data)} bytes, more than 1 MB; give the reference run a longer step")
+    files[f"{name}_ref.opt"] = _options(recording).encode()
+    files[f"{name}_readme.txt"] = _readme(name, recording).encode()
+    return files
+
+
+def table(times: np.ndarray, columns: Mapping[str, np.ndarray]) -> bytes:
+    """A CSV file of `times` and `columns`."""
+    lines = [",".join(f'"{name}"' for name in ("time", *columns))]
+    lines += [",".join(map(shown, row)) for row in np.column_stack([times, *columns.values()])]
+    return ("\n".join(lines) + "\n").encode()
+
+
+def _options(recording: Recording) -> str:
+    run = recording.run
+    entries = {"StartTime": 0.0, "StopTime": run.stop, "StepSize": run.step, "RelTol": RELATIVE_TOLERANCE}
+    return "".join(f"{key},{value:g}\n" for key, value in entries.items())
+
+
+def _readme(name: str, recording: Recording) -> str:
+    run = recording.run
+    given = f"{name}_in.csv    inputs" if recording.inputs else "(no inputs)"
+    options = f"--input-file {name}_in.csv " if recording.inputs else ""
+    line = "=" * len(f"{name}: cross-check bundle")
+    return _README.format(
+        name=name, line=line, text=run.text, inputs=given, options=options, step=run.step, stop=run.stop
+    )
