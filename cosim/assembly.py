@@ -16,6 +16,7 @@ from cosim.values import coerce
 SAMPLE_PERIOD = "sample_period"
 SEED = "seed"
 _MAX_SEED = 2**31 - 1
+_LOOK = "`fmus list --json` lists the variables of every model, `fmpy info FILE.fmu` those of a file"
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +74,7 @@ def _checked(name: str, face: Face, variable: str, value: Value) -> Value:
     port = face.ports.get(variable)
     settable = [p.name for p in face.ports.values() if p.causality in ("parameter", "input")]
     if port is None:
-        raise unknown(f"variable of {name} ({face.model})", variable, settable)
+        raise unknown(f"variable of {name} ({face.model})", variable, settable, _LOOK)
     if port.causality not in ("parameter", "input"):
         raise CosimError(f"{name}.{variable} is an {port.causality} of {face.model} and cannot be set")
     return coerce(name, port, value)
@@ -122,8 +123,8 @@ def _all_named_found(wire: Wire, source: Node, target: Node, found: set[str]) ->
         if input_ in found or input_ == "" or input_.endswith("."):
             continue
         if input_ not in target.face.inputs:
-            raise unknown(f"input of {target.name} ({target.face.model})", input_, target.face.inputs)
-        raise unknown(f"output of {source.name} ({source.face.model})", output, source.face.outputs)
+            raise unknown(f"input of {target.name} ({target.face.model})", input_, target.face.inputs, _LOOK)
+        raise unknown(f"output of {source.name} ({source.face.model})", output, source.face.outputs, _LOOK)
     if not found:
         raise CosimError(f"nothing connects {wire.source} to {wire.target}: no input of one is an output of the other")
 

@@ -25,6 +25,7 @@ class Bound:
         self.count = self.time = 0
 
     def check(self, status: int) -> None:
+        """Raise SlaveError with the slave's own words for an fmi2Status above warning."""
         if status > WARNING:
             raise SlaveError(self.node.name, status, self.slave.message())
 
@@ -44,14 +45,17 @@ class Bound:
             self.check(status)
 
     def feed(self) -> None:
+        """Gather the inputs and set them."""
         self.gather()
         self._timed(self.calls.set)
 
     def advance(self) -> None:
+        """Step by `step` from the master's time."""
         self._timed(self.calls.step)
         self.count += 1
 
     def publish(self) -> None:
+        """Write the outputs into the master's vector."""
         self._timed(self.calls.get)
 
     def _timed(self, call: Call) -> None:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
-from cosim.errors import CosimError
+from cosim.errors import CosimError, because
 
 if TYPE_CHECKING:
+    from cosim.results import Results
     from cosim.scenario import Scenario
 
 app = typer.Typer(
@@ -21,16 +22,35 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-_FAILED, _INTERRUPTED = 1, 130
+_FAILED, _MISTAKE, _INTERRUPTED = 1, 2, 130
+_UsageError: type[Exception] = typer.BadParameter.__mro__[1]  # of the click inside typer, without a public name
 
 
 def main() -> None:
-    """Entry point: user mistakes become one sentence on stderr and exit code 1."""
+    """Entry point: whatever goes wrong is one sentence on stderr.
+
+    Exit status 2 for a mistake of the user, 1 for a run that failed, 130 for one that was interrupted.
+    """
     try:
-        app()
+        sys.exit(app(standalone_mode=False) or 0)
     except CosimError as error:
-        print(f"cosim: {error}", file=sys.stderr)
-        raise SystemExit(_FAILED) from None
+        _end(str(error), _MISTAKE)
+    except _UsageError as error:
+        _end(f"{_usage(error)}; `cosim --help` shows what there is", _MISTAKE)
+    except typer.Abort:
+        _end("interrupted", _INTERRUPTED)
+    except OSError as error:  # whatever was not foreseen where it happens
+        _end(f"{error.filename}: {because(error)}" if error.filename else because(error), _FAILED)
+
+
+def _usage(error: Any) -> str:
+    """One sentence, with the option it is about."""
+    return " ".join(error.format_message().split()).rstrip(".?") or "say what to do"
+
+
+def _end(sentence: str, status: int) -> NoReturn:
+    print(f"cosim: {sentence}", file=sys.stderr)
+    sys.exit(status)
 
 
 @app.command("list")
@@ -67,7 +87,7 @@ def run(
 ) -> None:
     """Run a scenario and write its results."""
     from cosim import display, scenarios  # noqa: PLC0415
-    from cosim.run import Request  # noqa: PLC0415
+    from cosim.run import OVERVIEW, Request  # noqa: PLC0415
     from cosim.run import run as run_scenario  # noqa: PLC0415
     from cosim.summary import to_json  # noqa: PLC0415
     from cosim.system import parse_assignments  # noqa: PLC0415
@@ -79,8 +99,8 @@ def run(
     explainer = display.explainer(to_stderr=as_json or quiet) if explain else display.silent
     with display.progress(stop, shown=not (quiet or as_json)) as progress:
         summary, results = run_scenario(request, explainer, progress)
-    if not no_report and scenario.draw is not None and len(results.time) > 1:
-        scenario.draw(results, target / "overview.png", scenario.title)
+    if not no_report:
+        _draw(scenario, results, target / OVERVIEW)
     if as_json:
         print(to_json(summary))
     elif not quiet:
@@ -88,11 +108,21 @@ def run(
     _leave(summary)
 
 
+def _draw(scenario: Scenario, results: Results, file: Path) -> None:
+    if scenario.draw is None or len(results.time) < 2:
+        return
+    try:
+        scenario.draw(results, file, scenario.title)
+    except OSError as error:
+        file.unlink(missing_ok=True)
+        _end(f"{file} cannot be written: {because(error)}; results and summary are complete", _FAILED)
+
+
 def _leave(summary: dict[str, Any]) -> None:
     if summary["status"] == "ok":
         return
-    print(f"cosim: {summary['reason']}; the results so far are kept", file=sys.stderr)
-    raise typer.Exit(_INTERRUPTED if summary["status"] == "interrupted" else _FAILED)
+    status = _INTERRUPTED if summary["status"] == "interrupted" else _FAILED
+    _end(f"{summary['reason']}; the results so far are kept", status)
 
 
 def _listed(scenario: Scenario) -> dict[str, Any]:

@@ -3,19 +3,27 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable
+
+_NUMBERED = re.compile(r".*\[errno \d+\] ", re.IGNORECASE)
 
 
 class CosimError(Exception):
     """A mistake in what the user asked for, or a file that cannot be used; the text is one sentence for the user."""
 
 
-def unknown(kind: str, name: str, known: Iterable[str]) -> CosimError:
-    """The error for a name that does not exist, with the names closest to it."""
+def unknown(kind: str, name: str, known: Iterable[str], look: str = "") -> CosimError:
+    """The error for a name that does not exist: the closest names, or all if few, else `look` says where they are."""
     candidates = sorted(known)
     close = difflib.get_close_matches(name, candidates, n=3, cutoff=0.5)
     if close:
         return CosimError(f"unknown {kind} {name!r}; did you mean {' or '.join(close)}?")
     if len(candidates) <= 12:
         return CosimError(f"unknown {kind} {name!r}; known are {', '.join(candidates) or 'none'}")
-    return CosimError(f"unknown {kind} {name!r}")
+    return CosimError(f"unknown {kind} {name!r}" + (f"; {look}" if look else ""))
+
+
+def because(error: OSError) -> str:
+    """What the operating system said, without its error number and what libraries put around it."""
+    return _NUMBERED.sub("", error.strerror or str(error)) or type(error).__name__

@@ -10,7 +10,7 @@ from types import TracebackType
 from typing import Self
 
 from cosim.assembly import Node
-from cosim.errors import CosimError
+from cosim.errors import CosimError, because
 from cosim.face import Face, read_face
 from cosim.slave import Slave
 from cosim.system import System
@@ -29,7 +29,10 @@ class Loader:
         self._slaves: list[Slave] = []
 
     def __enter__(self) -> Self:
-        self._root = Path(tempfile.mkdtemp(prefix="cosim-"))
+        try:
+            self._root = Path(tempfile.mkdtemp(prefix="cosim-"))
+        except OSError as error:
+            raise CosimError(f"no folder to unpack FMUs into: {because(error)}; set TMPDIR to one") from None
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, tb: TracebackType | None) -> None:

@@ -19,6 +19,7 @@ import numpy as np
 from cosim.assembly import Node
 from cosim.bound import Action, Bound, gather
 from cosim.clock import SECOND, to_seconds
+from cosim.errors import because
 from cosim.schedule import Schedule, active_ticks
 from cosim.slave import Memory, Slave, SlaveError, Vector
 
@@ -80,7 +81,10 @@ class Master:
         progress: Callable[[int], None] = lambda _time: None,
         interrupted: Callable[[], bool] = lambda: False,
     ) -> Outcome:
-        """Advance from 0 to `stop` [ns]; `record` is called per active tick and once at the end."""
+        """Advance from 0 to `stop` [ns]; `record` is called per active tick and once at the end.
+
+        A slave that fails, or a recorder that cannot write (OSError), ends the run with status "failed".
+        """
         start = perf_counter_ns()
         status, reason, time = "ok", "", 0
         ticks = self._ticks(stop, record)
@@ -93,6 +97,9 @@ class Master:
         except SlaveError as failure:
             time = round(self._time.value * SECOND)
             status, reason = "failed", failure.sentence(f"at {to_seconds(time):g} s")
+        except OSError as error:
+            time = round(self._time.value * SECOND)
+            status, reason = "failed", f"the results cannot be written at {to_seconds(time):g} s: {because(error)}"
         wall = perf_counter_ns() - start
         calls = {name: bound.count for name, bound in self._bound.items()}
         times = {name: bound.time for name, bound in self._bound.items()}

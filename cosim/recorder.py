@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -27,7 +28,7 @@ def recorded(signals: Iterable[Signal]) -> list[int]:
 
 
 class Recorder:
-    """Call it once per row. `vector` is [time, signals...]; `chosen` are positions in `signals`.
+    """Call it once per row. `vector` is [time, signals...]; `chosen` are positions in `signals`; `folder` exists.
 
     Rows are gathered in a chunk and appended to the stream whenever it is full.
     """
@@ -43,8 +44,6 @@ class Recorder:
         self._take = vector.take
         self._filled = 0
         self._flushed = monotonic()
-        folder.mkdir(parents=True, exist_ok=True)
-        (folder / PARQUET).unlink(missing_ok=True)
         self._sink = pa.OSFile(str(folder / STREAM), "wb")
         self._writer = pa.ipc.new_stream(self._sink, schema)
         self.flush()  # an empty chunk writes the schema, so that the stream can be read from now on
@@ -56,9 +55,18 @@ class Recorder:
             self.flush()
 
     def flush(self) -> None:
-        """Append the rows gathered so far to the stream and hand them to the operating system."""
+        """Append the rows gathered so far to the stream and hand them to the operating system.
+
+        OSError (a full disk) ends the recording: the stream keeps its whole chunks, `close` writes nothing more to it.
+        """
+        whole = self._sink.tell()
         self._columns[:, : self._filled] = self._chunk[: self._filled].T  # the batch shows this memory
-        self._writer.write_batch(self._batch.slice(0, self._filled))
+        try:
+            self._writer.write_batch(self._batch.slice(0, self._filled))
+        except OSError:
+            self._sink.close()
+            os.truncate(self._folder / STREAM, whole)
+            raise
         self._filled = 0
         self._flushed = monotonic()
 
@@ -67,16 +75,21 @@ class Recorder:
         if self._filled and monotonic() - self._flushed > _PATIENCE:
             self.flush()
 
-    def close(self) -> Path:
-        """Write results.parquet, remove the stream, and give the path of the results."""
-        if self._filled:
-            self.flush()
-        self._writer.close()
-        self._sink.close()
-        stream, parquet = self._folder / STREAM, self._folder / PARQUET
-        write_parquet(read_stream(stream), parquet)
-        stream.unlink()
-        return parquet
+    def close(self) -> None:
+        """Write results.parquet from the stream, then remove the stream.
+
+        When the disk is full this raises OSError, and what was recorded is in whichever of the two files is there.
+        """
+        try:
+            if self._filled and not self._sink.closed:
+                self.flush()
+            if not self._sink.closed:
+                self._writer.close()
+        finally:
+            self._sink.close()
+            stream = self._folder / STREAM
+            write_parquet(read_stream(stream), self._folder / PARQUET)
+            stream.unlink()
 
 
 def read_stream(path: Path) -> Any:
@@ -92,10 +105,15 @@ def read_stream(path: Path) -> Any:
 
 
 def write_parquet(table: Any, path: Path) -> None:
+    """Write an Arrow table to `path`, which then is whole: on OSError no file is left."""
     from pyarrow import parquet  # noqa: PLC0415  (slow to import, and needed only when the run is over)
 
     partial = path.with_suffix(".partial")
-    parquet.write_table(table, partial, compression="zstd", use_dictionary=False)
+    try:
+        parquet.write_table(table, partial, compression="zstd", use_dictionary=False)
+    except OSError:
+        partial.unlink(missing_ok=True)
+        raise
     partial.replace(path)
 
 

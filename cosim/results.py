@@ -28,7 +28,7 @@ class Results:
 
     def __getitem__(self, name: str) -> Vector:
         if name not in self:
-            raise unknown("signal", name, self.names)
+            raise unknown("signal", name, self.names, "the columns of results.parquet are the signals")
         return np.asarray(self._table.column(name).to_numpy())
 
     def unit(self, name: str) -> str:

@@ -5,24 +5,26 @@ from __future__ import annotations
 import signal
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from cosim.assembly import Node, assemble
 from cosim.clock import nanoseconds
-from cosim.errors import CosimError
+from cosim.errors import CosimError, because
 from cosim.loader import Loader
 from cosim.master import Master, Outcome
-from cosim.recorder import Recorder, recorded
+from cosim.recorder import PARQUET, STREAM, Recorder, recorded
 from cosim.results import Results, load_results
 from cosim.scenario import Scenario, configured
 from cosim.schedule import Schedule, schedule
 from cosim.slave import Slave, SlaveError
-from cosim.summary import summarise, write_summary
+from cosim.summary import SUMMARY, summarise, write_summary
 
+OVERVIEW = "overview.png"
+WRITTEN = (SUMMARY, OVERVIEW, PARQUET, STREAM)  # what a run leaves in its folder
 Progress = Callable[[int], None]
 Load = Callable[[], Mapping[str, Slave]]
 
@@ -74,17 +76,37 @@ def execute(plan: Plan, load: Load, folder: Path, progress: Progress = lambda _t
     """Load the slaves, initialise and run them, recording into `folder`."""
     with _interrupts() as interrupted:
         master = Master(plan.nodes, plan.schedule, load())
-        try:
-            recorder = Recorder(folder, master.vector, master.signals, recorded(master.signals))
-        except OSError as error:
-            raise CosimError(f"cannot write into {folder}: {error.strerror or error}") from None
+        recorder = _recorder(folder, master)
         try:
             master.initialise()
-            return master.run(plan.stop, recorder, partial(_kept, recorder, progress), interrupted)
+            outcome = master.run(plan.stop, recorder, partial(_kept, recorder, progress), interrupted)
         except SlaveError as failure:
-            return Outcome("failed", failure.sentence("at initialisation"), 0, 0, {}, {})
-        finally:
-            recorder.close()
+            outcome = Outcome("failed", failure.sentence("at initialisation"), 0, 0, {}, {})
+        except BaseException:
+            with suppress(OSError):
+                recorder.close()
+            raise
+        return _closed(recorder, outcome)
+
+
+def _recorder(folder: Path, master: Master) -> Recorder:
+    """A recorder into a folder that holds nothing of an earlier run."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name in WRITTEN:
+            (folder / name).unlink(missing_ok=True)
+        return Recorder(folder, master.vector, master.signals, recorded(master.signals))
+    except OSError as error:
+        raise CosimError(f"cannot write into {error.filename or folder}: {because(error)}") from None
+
+
+def _closed(recorder: Recorder, outcome: Outcome) -> Outcome:
+    try:
+        recorder.close()
+    except OSError as error:
+        if outcome.status != "failed":
+            return replace(outcome, status="failed", reason=f"the results cannot be written: {because(error)}")
+    return outcome
 
 
 def _kept(recorder: Recorder, progress: Progress, time: int) -> None:
@@ -96,7 +118,11 @@ def _conclude(plan: Plan, outcome: Outcome, folder: Path) -> tuple[dict[str, Any
     results = load_results(folder, {name: node.period / 1e9 for name, node in plan.nodes.items()})
     metrics = plan.scenario.metrics(results) if len(results.time) > 1 else {}
     summary = summarise(plan.scenario.name, plan.seed, outcome, plan.nodes, metrics)
-    write_summary(summary, folder)
+    try:
+        write_summary(summary, folder)
+    except OSError as error:
+        reasons = [summary["reason"], f"{folder / SUMMARY} cannot be written: {because(error)}"]
+        summary |= {"status": "failed", "reason": "; ".join(filter(None, reasons))}
     return summary, results
 
 

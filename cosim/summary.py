@@ -6,6 +6,7 @@ import json
 import math
 import subprocess
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -36,10 +37,19 @@ def summarise(
 
 
 def write_summary(summary: Mapping[str, Any], folder: Path) -> None:
-    (folder / SUMMARY).write_text(to_json(summary) + "\n", "utf-8")
+    """Write `folder`/summary.json, which then is whole: on OSError no file is left."""
+    partial = folder / f"{SUMMARY}.partial"
+    try:
+        partial.write_text(to_json(summary) + "\n", "utf-8")
+        partial.replace(folder / SUMMARY)
+    except OSError:
+        with suppress(OSError):
+            partial.unlink()
+        raise
 
 
 def to_json(summary: Mapping[str, Any]) -> str:
+    """The summary as indented JSON text without NaN."""
     return json.dumps(summary, indent=2, allow_nan=False)
 
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-import shutil
 import stat
 import zipfile
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path, PurePosixPath
+from typing import IO
 
 MAX_ENTRIES = 20_000
 MAX_BYTES = 1 << 30
@@ -49,7 +50,9 @@ def unpack(archive: Path, folder: Path) -> None:
         for sentence in hazards(zipped.infolist()):
             raise ArchiveError(f"{archive} {sentence}")
         try:
-            _extract(zipped, folder)
+            _extract(archive, zipped, folder)
+        except ArchiveError:
+            raise
         except Exception as error:  # zipfile raises many kinds: BadZipFile, zlib.error, RuntimeError, EOFError, ...
             raise _unreadable(archive, error) from None
 
@@ -117,12 +120,33 @@ def _unreadable(archive: Path, error: Exception) -> ArchiveError:
     return ArchiveError(f"{archive} is not a readable zip archive: {' '.join(str(error).split())}")
 
 
-def _extract(zipped: zipfile.ZipFile, folder: Path) -> None:
+def _extract(archive: Path, zipped: zipfile.ZipFile, folder: Path) -> None:
     for entry in zipped.infolist():  # zipfile hands out no more bytes than an entry declares
         target = folder / entry.filename
         if entry.is_dir():
-            target.mkdir(parents=True, exist_ok=True)
+            with _writing(archive, folder):
+                target.mkdir(parents=True, exist_ok=True)
             continue
-        target.parent.mkdir(parents=True, exist_ok=True)
-        with zipped.open(entry) as source, target.open("wb") as sink:
-            shutil.copyfileobj(source, sink, _BLOCK)
+        with zipped.open(entry) as source, _writing(archive, folder):
+            target.parent.mkdir(parents=True, exist_ok=True)
+            with target.open("wb") as sink:
+                for block in _blocks(source):
+                    sink.write(block)
+
+
+def _blocks(source: IO[bytes]) -> Iterator[bytes]:
+    try:
+        while block := source.read(_BLOCK):
+            yield block
+    except OSError as error:  # a damaged archive can send zipfile to impossible places
+        raise zipfile.BadZipFile(str(error)) from None
+
+
+@contextmanager
+def _writing(archive: Path, folder: Path) -> Iterator[None]:
+    """What fails in here is the disk, not the archive."""
+    try:
+        yield
+    except OSError as error:
+        remedy = "make room there, or set TMPDIR to another folder"
+        raise ArchiveError(f"cannot unpack {archive} into {folder}: {error.strerror or error}; {remedy}") from None

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cosim.errors import CosimError, unknown
+from cosim.errors import CosimError, because, unknown
 
 
 def fmu_path(model: str) -> Path:
     """The .fmu file of the catalogue's `model`; raises CosimError if there is none or it cannot be built."""
-    from fmukit.build.cache import cached  # noqa: PLC0415
+    from fmukit.build.cache import cache_folder, cached  # noqa: PLC0415
     from fmukit.build.errors import BuildError  # noqa: PLC0415  (lazy: `cosim list` needs no build tools)
     from fmus import CATALOGUE  # noqa: PLC0415
 
@@ -20,3 +20,7 @@ def fmu_path(model: str) -> Path:
         return cached(components[model])
     except BuildError as error:
         raise CosimError(f"cannot build {model}: {error}") from None
+    except OSError as error:
+        where = error.filename or cache_folder()
+        remedy = "make room there, or set XDG_CACHE_HOME to a folder you can write into"
+        raise CosimError(f"cannot keep the built {model} in {where}: {because(error)}; {remedy}") from None

@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping
 from pathlib import Path
 
-from cosim.errors import CosimError
+from cosim.errors import CosimError, because
 from cosim.face import Value
 from cosim.scenario import Scenario, Setting, Settings
 from cosim.scenarios._catalogue import fmu_path
@@ -19,6 +19,8 @@ SETTINGS = {
     "gps_profile": Setting("rtk", ("rtk", "dgps", "standalone"), "kind of satellite receiver"),
     "imu_profile": Setting("automotive", ("automotive", "tactical"), "grade of the inertial unit"),
 }
+# Body rates stand in for the rates of yaw, roll and pitch, which `estimate.*_rate` are: with roll and pitch of a few
+# degrees they differ by terms like yaw' sin(pitch), below 0.02 rad/s here.
 _TRUE_RATES = {
     "estimate.yaw_rate": "angular_rate.z",
     "estimate.roll_rate": "angular_rate.x",
@@ -34,7 +36,7 @@ def tracking(name: str, title: str, figures: str, stop_time: float, reference: M
         figures=figures,
         stop_time=stop_time,
         build=lambda settings: tracking_system(settings, reference),
-        complete=start_on_reference,
+        complete=complete,
         find=fmu_path,
         metrics=tracking_metrics,
         draw=_draw,
@@ -61,6 +63,22 @@ def tracking_system(settings: Settings, reference: Mapping[str, Value]) -> Syste
     _wire_controllers(system)
     _wire_feedback(system, settings["feedback"])
     return system
+
+
+def complete(system: System) -> None:
+    """What follows from the user's values: the start on the reference, and what hlc assumes of llc."""
+    start_on_reference(system)
+    tell_the_actuator(system)
+
+
+def tell_the_actuator(system: System) -> None:
+    """Values set of llc are those that hlc assumes of it (`actuator.*`), unless hlc was told otherwise."""
+    from fmus.controllers.high_level_lqr.interface import ACTUATOR  # noqa: PLC0415  (lazy: `cosim list`)
+
+    assumed, given = system.instances["hlc"].parameters, system.instances["llc"].parameters
+    for name in ACTUATOR:
+        if name in given:
+            assumed.setdefault(f"actuator.{name}", given[name])
 
 
 def start_on_reference(system: System) -> None:
@@ -112,8 +130,14 @@ def _first_row(file: Path) -> tuple[float, float, float, float]:
         with file.open(newline="", encoding="utf-8-sig") as source:
             row = next(csv.DictReader(source, skipinitialspace=True))
         return float(row["x"]), float(row["y"]), math.remainder(float(row["course"]), math.tau), float(row["speed"])
-    except (OSError, StopIteration, KeyError, ValueError, UnicodeDecodeError) as error:
-        raise CosimError(f"cannot read the trajectory {file}: {error or 'it is empty'}") from None
+    except OSError as error:
+        raise CosimError(f"cannot read the trajectory {file}: {because(error)}") from None
+    except StopIteration:
+        raise CosimError(f"the trajectory {file} has no row beneath its header") from None
+    except KeyError as missing:
+        raise CosimError(f"the trajectory {file} has no column {missing.args[0]}") from None
+    except (ValueError, TypeError, csv.Error) as error:
+        raise CosimError(f"the first row of the trajectory {file} is not made of numbers: {error}") from None
 
 
 def _draw(results, file: Path, title: str) -> None:  # type: ignore[no-untyped-def]

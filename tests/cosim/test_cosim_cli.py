@@ -116,11 +116,14 @@ def test_the_same_seed_gives_the_same_bytes(cosim, tmp_path):
         (["run", "tanks", "--set", "nonsense"], "cannot read 'nonsense'"),
         (["run", "tanks", "--stop-time", "0"], "the stop time is 0 s; it must be positive"),
         (["run", "tanks", "--set", "scenario.source=bad"], "there is no file"),
+        (["run"], "Missing argument 'name'; `cosim --help` shows what there is"),
+        (["run", "tanks", "--seed", "two"], "Invalid value for '--seed'"),
+        (["run", "tanks", "--colour"], "No such option: --colour"),
     ],
 )
 def test_mistakes_are_one_sentence(cosim, tmp_path, args, sentence):
     code, out, err = cosim(*args, "-o", str(tmp_path / "r"))
-    assert code == 1
+    assert code == 2
     assert out == ""
     assert err.startswith("cosim: ")
     assert err.count("\n") == 1
@@ -130,7 +133,7 @@ def test_mistakes_are_one_sentence(cosim, tmp_path, args, sentence):
 def test_an_unwritable_folder(cosim, tmp_path):
     (tmp_path / "file").write_text("")
     code, _, err = cosim("run", "tanks", "-o", str(tmp_path / "file" / "r"))
-    assert (code, err.count("\n")) == (1, 1)
+    assert (code, err.count("\n")) == (2, 1)
     assert "cannot write into" in err
 
 
@@ -177,7 +180,7 @@ def _edit(old, new):
 def test_foreign_and_corrupt_fmus(cosim, tank, tmp_path, change, sentence):
     spoil(tank, tmp_path / "bad.fmu", change)
     code, out, err = cosim("run", "tanks", "-o", str(tmp_path / "r"), "--set", "scenario.source=bad")
-    assert (code, out, err.count("\n")) == (1, "", 1)
+    assert (code, out, err.count("\n")) == (2, "", 1)
     assert sentence in err
     assert not list(tmp_path.parent.glob("escape*"))
 
@@ -185,7 +188,7 @@ def test_foreign_and_corrupt_fmus(cosim, tank, tmp_path, change, sentence):
 def test_a_file_that_is_no_archive(cosim, tmp_path):
     (tmp_path / "bad.fmu").write_bytes(b"not a zip file")
     code, _, err = cosim("run", "tanks", "-o", str(tmp_path / "r"), "--set", "scenario.source=bad")
-    assert (code, err.count("\n")) == (1, 1)
+    assert (code, err.count("\n")) == (2, 1)
     assert "is not a readable zip archive" in err
 
 
