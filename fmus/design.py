@@ -48,7 +48,9 @@ class DesignModel:
     relaxation_length: float
     drag_area: float
     air_density: float
-    rolling_resistance: float
+    rolling_constant: float
+    rolling_linear: float
+    rolling_quartic: float
     gravity: float
     steer_inertia: float
     steer_damping: float
@@ -109,7 +111,9 @@ def design_model() -> DesignModel:
         relaxation_length=v["tyre.relaxation.lateral"],
         drag_area=v["body.drag_coefficient"] * v["body.frontal_area"],
         air_density=v["air.density"],
-        rolling_resistance=v["tyre.rolling.constant"],
+        rolling_constant=v["tyre.rolling.constant"],
+        rolling_linear=v["tyre.rolling.linear"],
+        rolling_quartic=v["tyre.rolling.quartic"],
         gravity=v["gravity"],
         steer_inertia=v["knuckle.inertia.z"] + v["wheel.inertia.diametral"],
         steer_damping=v["steering.damping"],

@@ -24,6 +24,9 @@ _TEXTS = {
     "relaxation_length": ("m", "lateral relaxation length of the tyres"),
     "drag_area": ("m2", "drag coefficient times frontal area"),
     "air_density": ("kg/m3", "density of the air"),
+    "rolling.constant": ("1", "rolling resistance at rest relative to the load"),
+    "rolling.linear": ("s/m", "growth of the rolling resistance with the speed"),
+    "rolling.quartic": ("s4/m4", "growth of the rolling resistance with the fourth power of the speed"),
     "gravity": ("m/s2", "gravity"),
     "steer_inertia": ("kg.m2", "inertia of knuckle and wheel about the kingpin"),
     "steer_damping": ("N.m.s/rad", "damping of one steering joint"),
@@ -31,12 +34,15 @@ _TEXTS = {
 
 
 def design_parameters(names: Iterable[str]) -> list[Variable]:
-    """One parameter `design.<name>` per field of the nominal vehicle; unknown names raise KeyError."""
+    """One parameter `design.<name>` per field of the nominal vehicle, rolling.linear of the field rolling_linear.
+
+    Unknown names raise KeyError.
+    """
     return [_design_parameter(name, *_TEXTS[name]) for name in names]
 
 
 def _design_parameter(name: str, unit: str, text: str) -> Variable:
-    start = float(getattr(DESIGN, name))
+    start = float(getattr(DESIGN, name.replace(".", "_")))
     return parameter(
         f"design.{name}", unit, f"assumed {text}", start, minimum=0.0, source="nominal vehicle, fmus/vehicle16dof"
     )

@@ -9,7 +9,10 @@ from fmukit.direct import Direct
 from fmus.controllers.high_level_lqr import COMPONENT
 from fmus.controllers.reference import COMPONENT as REFERENCE
 
-NO_LEAD = {"feedforward_lead": 0.0, "yaw_rate_lead": 0.0, "speed_lead": 0.0}
+INSTANT = {f"actuator.filter.{name}": 1e6 for name in ("speed", "yaw_rate", "steering")} | {
+    "actuator.steering.filter_time": 0.0,
+    "actuator.sample_period": 0.0,
+}
 
 
 def drive(offset: float, stop: float) -> np.ndarray:
@@ -17,7 +20,7 @@ def drive(offset: float, stop: float) -> np.ndarray:
 
     Its sideslip is the one the feed-forward expects, so that course = yaw + sideslip.
     """
-    player, controller = Direct(REFERENCE), Direct(COMPONENT, NO_LEAD)
+    player, controller = Direct(REFERENCE), Direct(COMPONENT, INSTANT)
     player.sample()
     x, y, psi, v = 0.0, offset, 0.0, player["reference.speed"]
     rows, h = [], 0.020 / 20

@@ -8,13 +8,13 @@ import pytest
 from scipy.linalg import expm
 
 from fmukit.direct import Direct
-from fmus.controllers.high_level_lqr import COMPONENT, lag, tracking
+from fmus.controllers.high_level_lqr import COMPONENT, lag, leads, tracking
 from fmus.controllers.high_level_lqr.interface import INTERFACE
 from fmus.design import DESIGN
 
 T = 0.05
 PARAMETERS = {v.name: float(v.start) for v in INTERFACE.select("parameter")}
-TAU = PARAMETERS["yaw_rate_lead"]
+TAU = float(ca.DM(leads.yaw_rate(lambda name: ca.SX(PARAMETERS[name]))))
 L_F, L_R = DESIGN.l_f - DESIGN.pneumatic_trail, DESIGN.l_r + DESIGN.pneumatic_trail
 
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import casadi as ca
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
 from fmukit.direct import Direct
-from fmus.controllers.high_level_lqr import COMPONENT
+from fmus.controllers.high_level_lqr import COMPONENT, leads
+from fmus.controllers.low_level_pid import COMPONENT as LOW_LEVEL
 from fmus.controllers.reference import COMPONENT as REFERENCE
 from fmus.design import DESIGN
 
@@ -19,6 +21,9 @@ NO_FEEDBACK = {f"weight.{name}": 0.0 for name in ("longitudinal", "speed", "late
     "integral.longitudinal": 0.0,
     "integral.lateral": 0.0,
 }
+FILTERS = [f"actuator.filter.{name}" for name in ("speed", "yaw_rate", "steering")]
+INSTANT = dict.fromkeys(FILTERS, 1e6) | {"actuator.steering.filter_time": 0.0, "actuator.sample_period": 0.0}
+"""Leaves a lead of half a sampling period: a held command is that late on average."""
 
 
 def axle_forces(z: np.ndarray, v: float, delta: float) -> tuple[float, float]:
@@ -52,9 +57,7 @@ def steer(period: float, stop: float, **parameters: float) -> list[dict[str, flo
 
 def test_single_track_reproduces_the_lateral_acceleration() -> None:
     period = 0.005
-    rows = steer(
-        period, 6.0, **{"design.relaxation_length": 0.0, "feedforward_lead": 0.5 * period, "yaw_rate_lead": 0.0}
-    )
+    rows = steer(period, 6.0, **INSTANT, **{"design.relaxation_length": 0.0})
     z, seen = np.zeros(2), []
     for row in rows:
         delta = row["command.steer_feedforward"]
@@ -68,17 +71,22 @@ def test_single_track_reproduces_the_lateral_acceleration() -> None:
 
 
 def test_relaxation_of_the_front_tyre_is_made_up_for() -> None:
-    """The angle grows by sigma / v times the rate of the front slip angle, here by finite differences."""
+    """The angle grows by sigma / v times the rate of the front slip angle, here by finite differences.
+
+    Angles are half a period ahead of the sideslip and yaw rate beside them, which are therefore taken in the middle.
+    """
     period, sigma = 0.01, 0.4
-    plain = steer(period, 5.0, **{"design.relaxation_length": 0.0, "feedforward_lead": 0.0})
-    ahead = steer(period, 5.0, **{"design.relaxation_length": sigma, "feedforward_lead": 0.0})
+    plain, ahead = (steer(period, 5.0, **INSTANT, **{"design.relaxation_length": s}) for s in (0.0, sigma))
 
     def column(rows: list[dict[str, float]], name: str) -> np.ndarray:
         return np.array([row[name] for row in rows])
 
-    delta = column(plain, "command.steer_feedforward")
-    slip = delta - column(plain, "feedforward.sideslip") - L_F / 30.0 * column(plain, "feedforward.yaw_rate")
-    extra = column(ahead, "command.steer_feedforward") - delta
+    def middle(name: str) -> np.ndarray:
+        return 0.5 * (column(plain, name)[1:] + column(plain, name)[:-1])
+
+    delta = column(plain, "command.steer_feedforward")[:-1]
+    slip = delta - middle("feedforward.sideslip") - L_F / 30.0 * middle("feedforward.yaw_rate")
+    extra = column(ahead, "command.steer_feedforward")[:-1] - delta
     np.testing.assert_allclose(extra, sigma / 30.0 * np.gradient(slip, period), atol=6e-5)
     assert np.abs(extra).max() > 1e-3
 
@@ -101,13 +109,26 @@ def test_steady_cornering_has_the_understeer_of_the_single_track(v: float) -> No
     assert controller["feedforward.sideslip"] == pytest.approx(beta, rel=1e-6)
 
 
-def test_leads_take_the_commands_ahead() -> None:
-    """With leads of one period the commands are those one sample later without lead."""
-    now = steer(0.02, 8.0, feedforward_lead=0.0, yaw_rate_lead=0.0, speed_lead=0.0)
-    ahead = steer(0.02, 8.0, feedforward_lead=0.02, yaw_rate_lead=0.02, speed_lead=0.02)
-    for name, tolerance in (("command.steer_feedforward", 3e-5), ("command.yaw_rate", 1e-5), ("command.speed", 1e-9)):
+@pytest.mark.parametrize("slow", [dict.fromkeys(FILTERS, 150.0), {"actuator.sample_period": 0.02}])
+def test_leads_take_the_commands_ahead(slow: dict[str, float]) -> None:
+    """With actuators one period later, 3/omega or a period of their own, commands are those of one sample later."""
+    now, ahead = steer(0.02, 8.0, **INSTANT), steer(0.02, 8.0, **INSTANT | slow)
+    for name, tolerance in (("command.steer_feedforward", 4e-5), ("command.yaw_rate", 1e-5), ("command.speed", 1e-9)):
         early, late = (np.array([row[name] for row in rows]) for rows in (ahead, now))
         np.testing.assert_allclose(early[:-1], late[1:], atol=tolerance)
+
+
+def test_leads_are_the_delays_of_the_low_level_controller_as_it_starts() -> None:
+    theirs = {v.name: float(v.start) for v in LOW_LEVEL.interface.select("parameter")}
+    ours = {v.name: float(v.start) for v in COMPONENT.interface.select("parameter")} | {"sample_period": 0.03}
+    sampling = 0.015 + theirs["sample_period"]
+    expected = {
+        leads.speed: 3 / theirs["filter.speed"] + sampling,
+        leads.yaw_rate: 3 / theirs["filter.yaw_rate"] + sampling,
+        leads.steering: 3 / theirs["filter.steering"] + theirs["steering.filter_time"] + sampling,
+    }
+    for lead, value in expected.items():
+        assert float(ca.DM(lead(lambda name: ca.SX(ours[name])))) == pytest.approx(value)
 
 
 def test_standing_still_gives_finite_commands() -> None:

@@ -4,14 +4,38 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from fmukit.interface import Variable, group, input_, load_parameters, output, sampled
+from fmukit.interface import Variable, group, input_, load_parameters, output, parameter, sampled
 from fmus.controllers.bus import trajectory_bus
 from fmus.controllers.design_data import design_parameters
+from fmus.controllers.low_level_pid.interface import INTERFACE as LOW_LEVEL
 
 _DESIGN = (
     *("mass", "yaw_inertia", "l_f", "l_r", "cornering_front", "cornering_rear"),
     *("pneumatic_trail", "relaxation_length"),
 )
+ACTUATOR = ("filter.speed", "filter.yaw_rate", "filter.steering", "steering.filter_time", "sample_period")
+"""Parameters of LowLevelPid that delay a command; here they are assumed, as `actuator.*`."""
+_SLOWEST_FILTER = 15.0  # rad/s: 3/omega is then all that the feed-forward can see ahead (leads.py)
+_FASTEST_FILTER = 1e6  # rad/s: in effect no filter
+
+
+def _actuator() -> list[Variable]:
+    theirs = {variable.name: variable for variable in LOW_LEVEL.select("parameter")}
+    return [_assumed(theirs[name]) for name in ACTUATOR]
+
+
+def _assumed(theirs: Variable) -> Variable:
+    """A parameter of the low-level controller as this one assumes it, with the same start."""
+    bounds = (_SLOWEST_FILTER, _FASTEST_FILTER) if theirs.unit == "rad/s" else (0.0, theirs.maximum)
+    return parameter(
+        f"actuator.{theirs.name}",
+        theirs.unit,
+        f"assumed of the low-level controller: {theirs.description}",
+        theirs.start,
+        minimum=bounds[0],
+        maximum=bounds[1],
+        source=f"start value of LowLevelPid, {theirs.name}",
+    )
 
 
 def _estimate() -> list[Variable]:
@@ -48,6 +72,7 @@ INTERFACE = sampled(
     step=0.020,
     variables=[
         *load_parameters(Path(__file__).with_name("parameters.toml")),
+        *_actuator(),
         *design_parameters(_DESIGN),
         *trajectory_bus(input_),
         *_estimate(),

@@ -18,12 +18,14 @@ from typing import TypeVar
 
 import casadi as ca
 
+from fmus.controllers.high_level_lqr import leads
+
 Expression = TypeVar("Expression", ca.SX, ca.MX)
 
 
 def reach(get: Callable[[str], Expression], v: Expression) -> Expression:
     """reach [m] at speed v; `get` gives a parameter by name. Zero when the lag is not compensated."""
-    lagging = get("yaw_rate_lead") * v + slide(get, v) - (get("design.l_r") + get("design.pneumatic_trail"))
+    lagging = leads.yaw_rate(get) * v + slide(get, v) - (get("design.l_r") + get("design.pneumatic_trail"))
     return get("compensate_lag") * lagging
 
 
@@ -35,11 +37,11 @@ def slide(get: Callable[[str], Expression], v: Expression) -> Expression:
 
 def undo(get: Callable[[str], ca.SX], e: ca.SX, v: ca.SX, sideslip: ca.SX, q: ca.SX) -> ca.SX:
     """Errors (4) with e_n* and e_psi* in place of e_n and e_psi; sideslip [rad] beyond the expected, q [rad/s]."""
-    tau, on = get("yaw_rate_lead"), get("compensate_lag")
+    tau, on = leads.yaw_rate(get), get("compensate_lag")
     e_n = e[2] + on * (slide(get, v) * sideslip - tau * reach(get, v) * q)
     return ca.vertcat(e[0], e[1], e_n, e[3] + on * tau * q)
 
 
 def answer(get: Callable[[str], ca.SX], q: ca.SX, dw: ca.SX) -> ca.SX:
     """q after one sample of a held dw."""
-    return dw + ca.exp(-get("sample_period") / ca.fmax(get("yaw_rate_lead"), 1e-3)) * (q - dw)
+    return dw + ca.exp(-get("sample_period") / ca.fmax(leads.yaw_rate(get), 1e-3)) * (q - dw)

@@ -8,7 +8,7 @@ import casadi as ca
 
 from fmukit.kernel import Kernel, Layout, Signals, sampled_kernel, stack, symbols
 from fmus.controllers.bus import PREVIEW, PREVIEW_PERIOD, REFERENCE, SAMPLE
-from fmus.controllers.high_level_lqr import inversion, lag, riccati, tracking
+from fmus.controllers.high_level_lqr import inversion, lag, leads, riccati, tracking
 from fmus.controllers.high_level_lqr.interface import INTERFACE
 
 STATES = Layout(
@@ -118,7 +118,7 @@ def _feedback(p: Signals, K: ca.SX, e: ca.SX, integrals: ca.SX, moving: ca.SX) -
 
 def _commands(p: Signals, z: ca.SX, path: inversion.Path, acceleration: inversion.Ahead, du: ca.SX) -> dict[str, ca.SX]:
     """The commands: the reference taken ahead by the delay of each channel, plus the feedback."""
-    early, soon, later = p["feedforward_lead"], p["yaw_rate_lead"], p["speed_lead"]
+    early, soon, later = (lead(p.__getitem__) for lead in (leads.steering, leads.yaw_rate, leads.speed))
     z_steer = inversion.propagate(p, z, path, early, 4)
     z_yaw = inversion.propagate(p, z, path, soon, 4)
     return {

@@ -7,7 +7,7 @@ from math import atan2, cos, hypot, sin
 from fmukit.reference_run import ReferenceRun
 from fmus.controllers.bus import PREVIEW, PREVIEW_PERIOD
 
-_SPEED, _START, _PULSATION, _AMPLITUDE, _OFFSET = 25.0, 1.0, 1.6, 0.55, 0.2
+_SPEED, _START, _PULSATION, _AMPLITUDE, _OFFSET = 25.0, 0.5, 2.2, 0.55, 0.2
 
 
 def _path(t: float) -> dict[str, float]:

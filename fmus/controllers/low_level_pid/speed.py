@@ -52,7 +52,7 @@ def resistance(p: Signals, v: ca.SX) -> ca.SX:
     drag = 0.5 * p["design.air_density"] * p["design.drag_area"] * v * ca.fabs(v)
     speed = ca.fabs(v)
     names = ("constant", "linear", "quartic")
-    constant, linear, quartic = (p[f"rolling_resistance.{name}"] for name in names)
+    constant, linear, quartic = (p[f"design.rolling.{name}"] for name in names)
     rolling = constant + linear * speed + quartic * speed**4
     return drag + p["design.mass"] * p["design.gravity"] * rolling * ca.tanh(v / 0.2)
 
