@@ -8,11 +8,13 @@ import subprocess
 import sys
 import sysconfig
 from collections.abc import Callable, Iterator
+from itertools import repeat
 from pathlib import Path
 
 import fmpy.validation
 import pytest
 from fmu_driver import Instance
+from regimes import Values, regime
 
 from fmukit.build.cache import cached
 from fmukit.component import Component
@@ -21,7 +23,9 @@ from fmukit.interface import Interface
 from fmus import CATALOGUE
 
 Make = Callable[[Component], Instance]
-Script = list[dict[str, float]]
+Script = list[Values]
+
+_ACCURACY = 1e-4  # of the plant's forces in the instant after a jump of the inputs, at substeps of 1 ms
 
 every_component = pytest.mark.parametrize("component", CATALOGUE, ids=lambda component: component.interface.name)
 
@@ -44,20 +48,7 @@ def fresh(folder: Path) -> Iterator[Make]:
         instance.free()
 
 
-def _script(interface: Interface, count: int = 30) -> Script:
-    """Input values near the start values, inside the limits, changing at every step."""
-    generator = random.Random(interface.name)
-    inputs = [(v, v.nominal or 0.1 * abs(float(v.start)) or 0.1) for v in interface.select("input")]
-
-    def value(variable, scale: float) -> float:  # type: ignore[no-untyped-def]
-        low = -1e300 if variable.minimum is None else variable.minimum
-        high = 1e300 if variable.maximum is None else variable.maximum
-        return min(max(float(variable.start) + 0.1 * scale * generator.uniform(-1, 1), low), high)
-
-    return [{variable.name: value(variable, scale) for variable, scale in inputs} for _ in range(count)]
-
-
-def _play(instance: Instance, interface: Interface, script: Script) -> list[dict[str, float]]:
+def _play(instance: Instance, interface: Interface, script: Script) -> list[Values]:
     seen = []
     for values in script:
         instance.set(values)
@@ -77,11 +68,21 @@ def test_validators_are_satisfied(component: Component) -> None:
 
 
 @every_component
+def test_drive_reaches_the_regime_in_which_the_model_works(component: Component, fresh: Make) -> None:
+    drive = regime(component.interface)
+    instance = fresh(component).initialise(drive.parameters)
+    last = _play(instance, component.interface, drive.script(component.interface.step))[-1]
+    assert not instance.messages
+    for name, least in drive.reached.items():
+        assert abs(last[name]) > least, name
+
+
+@every_component
 def test_trajectory_is_that_of_the_kernel_to_the_bit(component: Component, fresh: Make) -> None:
-    interface = component.interface
-    script = _script(interface)
-    reference = Direct(component)
-    instance = fresh(component).initialise()
+    interface, drive = component.interface, regime(component.interface)
+    script = drive.script(interface.step)
+    reference = Direct(component, drive.parameters)
+    instance = fresh(component).initialise(drive.parameters)
     expected = [reference.outputs()]
     for values in script:
         reference.set(values)
@@ -98,34 +99,35 @@ def test_trajectory_is_that_of_the_kernel_to_the_bit(component: Component, fresh
 
 @every_component
 def test_instances_are_independent_and_reset_repeats(component: Component, fresh: Make) -> None:
-    interface = component.interface
-    script = _script(interface)
-    alone = _play(fresh(component).initialise(), interface, script)
-    one, other = fresh(component).initialise(), fresh(component).initialise()
+    interface, drive = component.interface, regime(component.interface)
+    script = drive.script(interface.step)
+    alone = _play(fresh(component).initialise(drive.parameters), interface, script)
+    one, other = fresh(component).initialise(drive.parameters), fresh(component).initialise()
     for values, expected in zip(script, alone, strict=True):
         one.set(values)
         assert one.step(interface.step)
         assert other.step(interface.step)
         assert one.outputs() == expected
     one.fmu.reset()
-    assert _play(one.initialise(), interface, script) == alone
+    assert _play(one.initialise(drive.parameters), interface, script) == alone
 
 
 @every_component
 def test_state_replays_in_place_and_from_bytes(component: Component, fresh: Make) -> None:
-    interface = component.interface
-    script = _script(interface)
-    instance, other = fresh(component).initialise(), fresh(component)
-    _play(instance, interface, script[:7])
+    interface, drive = component.interface, regime(component.interface)
+    script = drive.script(interface.step)
+    half = len(script) // 2
+    instance, other = fresh(component).initialise(drive.parameters), fresh(component)
+    _play(instance, interface, script[:half])
     state, time = instance.fmu.getFMUstate(), instance.time
     data = instance.fmu.serializeFMUstate(state)
-    expected = _play(instance, interface, script[7:])
+    expected = _play(instance, interface, script[half:])
     instance.fmu.setFMUstate(state)
     instance.time = time
-    assert _play(instance, interface, script[7:]) == expected
+    assert _play(instance, interface, script[half:]) == expected
     other.fmu.setFMUstate(other.fmu.deSerializeFMUstate(data))
     other.time = time
-    assert _play(other, interface, script[7:]) == expected
+    assert _play(other, interface, script[half:]) == expected
 
 
 @every_component
@@ -141,21 +143,47 @@ def test_nan_on_any_input_changes_nothing_but_discards_a_step(component: Compone
         assert instance.outputs() == {**before, "fault": 1}
 
 
-@pytest.mark.parametrize("size", [1e-3, 2.5e-3, 1e-13])
-@pytest.mark.parametrize("component", [c for c in CATALOGUE if c.interface.kind == "sampled"], ids=lambda c: c.model)
-def test_host_steps_do_not_change_the_samples(component: Component, fresh: Make, size: float) -> None:
-    interface = component.interface
-    script = _script(interface, 8)
-    expected = _play(fresh(component).initialise(), interface, script)
-    instance = fresh(component).initialise()
-    for k, values in enumerate(script):
+def _jitter() -> Iterator[float]:
+    generator = random.Random(5)
+    while True:
+        yield generator.uniform(5e-5, 3e-3)
+
+
+_SCHEDULES: dict[str, Callable[[Interface], Iterator[float]]] = {
+    "1 ms": lambda interface: repeat(1e-3),
+    "5 ms": lambda interface: repeat(5e-3),
+    "own period": lambda interface: repeat(interface.step),
+    "0.3 ms": lambda interface: repeat(3e-4),
+    "jitter": lambda interface: _jitter(),
+}
+
+
+def _common(instance: Instance, interface: Interface, sizes: Iterator[float], last: float = 0.0) -> list[Values]:
+    """Outputs at instants all schedules share, where alone the inputs change; `last` is a step beyond each of them."""
+    span, drive = max(interface.step, 5e-3), regime(interface)
+    instance.initialise(drive.parameters)
+    seen = []
+    for k, values in enumerate(drive.script(span)):
         instance.set(values)
-        if size < 1e-12:
-            assert instance.step(size)
-        end = (k + 1) * interface.step
-        while instance.time < end - 1e-12:
-            assert instance.step(min(max(size, 1e-3), end - instance.time))
-        assert instance.outputs() == expected[k]
+        while (k + 1) * span - instance.time > 1e-9:
+            assert instance.step(min(next(sizes), (k + 1) * span - instance.time)), instance.messages
+        assert not last or instance.step(last), instance.messages
+        seen.append(instance.outputs())
+    return seen
+
+
+@pytest.mark.parametrize("schedule", _SCHEDULES)
+@every_component
+def test_host_steps_do_not_change_the_results(component: Component, fresh: Make, schedule: str) -> None:
+    """A sampled FMU gives the same bits; a continuous one integrates other substeps, so the same to its accuracy."""
+    interface = component.interface
+    expected = _common(fresh(component), interface, repeat(interface.step))
+    found = _common(fresh(component), interface, _SCHEDULES[schedule](interface), 1e-13)
+    if interface.kind == "sampled":
+        assert found == expected
+        return
+    for ours, theirs in zip(found, expected, strict=True):
+        assert ours == pytest.approx(theirs, rel=_ACCURACY, abs=0.1 * _ACCURACY)
 
 
 _RUN_ALL = """
@@ -163,31 +191,41 @@ import json, sys
 from pathlib import Path
 from fmu_driver import Instance
 
-values = {}
-instances = [Instance(Path(file), Path(sys.argv[1]) / f"{k}").initialise() for k, file in enumerate(sys.argv[2:])]
+folder, jobs = Path(sys.argv[1]), json.load(sys.stdin)
+instances = [
+    Instance(Path(job["file"]), folder / str(k)).initialise(job["parameters"]) for k, job in enumerate(jobs)
+]
+for k in range(max(len(job["script"]) for job in jobs)):
+    for instance, job in zip(instances, jobs):
+        if k < len(job["script"]):
+            instance.set(job["script"][k])
+            assert instance.step(job["step"]), instance.messages
+values = {instance.description.modelName: instance.outputs() for instance in instances}
 for instance in instances:
-    assert all(instance.step(1e-2) for _ in range(5)), instance.messages
-    values[instance.description.modelName] = instance.outputs()
     instance.free()
 print(json.dumps(values, sort_keys=True))
 """
 
 
+def _job(component: Component) -> dict[str, object]:
+    drive, step = regime(component.interface), component.interface.step
+    file = str(cached(component))
+    return {"file": file, "parameters": dict(drive.parameters), "step": step, "script": drive.script(step)}
+
+
 @pytest.mark.skipif(not CATALOGUE, reason="the catalogue is empty")
 def test_all_in_one_process_in_several_orders(tmp_path: Path) -> None:
-    files = [str(cached(component)) for component in CATALOGUE]
-    generator = random.Random(1)
+    jobs = [_job(component) for component in CATALOGUE]
     seen = set()
-    for order in (files, files[::-1], generator.sample(files, len(files))):
+    for k, order in enumerate((jobs, jobs[::-1], random.Random(1).sample(jobs, len(jobs)))):
         done = subprocess.run(
-            [sys.executable, "-c", _RUN_ALL, str(tmp_path), *order],
+            [sys.executable, "-c", _RUN_ALL, str(tmp_path / str(k))],
+            input=json.dumps(order),
             cwd=Path(__file__).parent,
             capture_output=True,
             text=True,
             check=True,
         )
-        seen.add(json.dumps(json.loads(done.stdout)))
         assert len(json.loads(done.stdout)) == len(CATALOGUE)
-        for made in tmp_path.iterdir():
-            subprocess.run(["rm", "-r", str(made)], check=True)
+        seen.add(done.stdout)
     assert len(seen) == 1

@@ -1,0 +1,182 @@
+"""For every FMU of the catalogue a short drive that makes it work: parameters, inputs over time, and what shows it.
+
+The inputs belong to a car going round a circle at 25 m/s, in closed form, a little disturbed; what is exact (counts,
+time stamps) is not disturbed. An FMU at rest,
+with nothing to correct or command, would prove little by repeating itself.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+from fmukit.interface import AXES, Interface
+from fmus.controllers.bus import PREVIEW, PREVIEW_PERIOD
+from fmus.wheels import FRONT, WHEELS
+
+Values = dict[str, float]
+
+SPEED, RATE, GRAVITY = 25.0, 0.16, 9.81  # m/s, rad/s, m/s2
+_FIX_PERIOD, _LATENCY, _ANTENNA = 0.1, 0.05, -0.5  # s, s, m forward of O1
+_EXACT = ("gps.fix_count", "gps.time", "gps.valid")
+
+
+@dataclass(frozen=True, slots=True)
+class Regime:
+    """`duration` [s]; `reached` maps outputs to the magnitude each exceeds at the end of the drive."""
+
+    duration: float
+    reached: Mapping[str, float]
+    inputs: Callable[[float], Values] = lambda t: {}
+    parameters: Mapping[str, float] = field(default_factory=dict)
+
+    def at(self, t: float) -> Values:
+        """The inputs at time t [s], each disturbed by about a thousandth."""
+        noise = random.Random(round(t * 1e6))
+        exact = self.inputs(t)
+        disturbed = {n: v + noise.uniform(-1, 1) * (1e-3 * abs(v) + 1e-4) for n, v in exact.items()}
+        return disturbed | {name: exact[name] for name in _EXACT if name in exact}
+
+    def script(self, step: float) -> list[Values]:
+        """The inputs of every step of `step` [s] of the drive."""
+        return [self.at(k * step) for k in range(round(self.duration / step))]
+
+
+def regime(interface: Interface) -> Regime:
+    """The drive of an FMU; every FMU of the catalogue needs one here."""
+    if interface.name not in _REGIMES:
+        raise LookupError(f"tests/fmukit/regimes.py has no drive for {interface.name}: say what makes it work")
+    return _REGIMES[interface.name]
+
+
+def _group(name: str, members: tuple[str, ...], *values: float) -> Values:
+    return {f"{name}.{member}": value for member, value in zip(members, values, strict=True)}
+
+
+def _place(t: float) -> tuple[float, float, float]:
+    """Position of O1 and yaw angle at time t."""
+    radius = SPEED / RATE
+    return radius * math.sin(RATE * t), radius * (1 - math.cos(RATE * t)), RATE * t
+
+
+def _plant(t: float) -> Values:
+    return {
+        **_group("wheel_torque", WHEELS, 100.0, 120.0, 200.0, 220.0),
+        **_group("brake_torque", WHEELS, 20.0, 20.0, 10.0, 10.0),
+        **_group("steer_torque", FRONT, 20.0, 25.0),
+        **_group("suspension_force", WHEELS, 200.0, -200.0, 300.0, -300.0),
+        **_group("road_friction", WHEELS, 0.9, 1.0, 0.9, 1.0),
+        **_group("body_force", AXES, -100.0, 50.0, 20.0),
+    }
+
+
+def _imu(t: float) -> Values:
+    return {
+        **_group("truth.specific_force", AXES, 0.5, SPEED * RATE, GRAVITY),
+        **_group("truth.angular_rate", AXES, 0.02, -0.01, RATE),
+        **_group("truth.angular_acceleration", AXES, 0.1, 0.1, 0.3),
+    }
+
+
+def _gps(t: float) -> Values:
+    x, y, yaw = _place(t)
+    return {
+        **_group("truth.position", AXES, x, y, 0.5),
+        **_group("truth.velocity", AXES, SPEED, 0.1, 0.0),
+        **_group("truth", ("roll", "pitch", "yaw"), 0.02, 0.01, yaw),
+        **_group("truth.angular_rate", AXES, 0.02, -0.01, RATE),
+    }
+
+
+def _filter(t: float) -> Values:
+    return {
+        **_group("accelerometer", AXES, 0.0, SPEED * RATE, GRAVITY),
+        **_group("gyroscope", AXES, 0.0, 0.0, RATE),
+        **_group("suspension_travel", WHEELS, -0.01, 0.01, -0.01, 0.01),
+        **_fix(t),
+    }
+
+
+def _fix(t: float) -> Values:
+    """The newest fix: fix k was taken at (k - 1) fix periods and reported after the latency."""
+    count = math.floor((t - _LATENCY) / _FIX_PERIOD + 1e-9) + 1
+    taken = max(count - 1, 0) * _FIX_PERIOD
+    x, y, yaw = _place(taken)
+    c, s = math.cos(yaw), math.sin(yaw)
+    across = RATE * _ANTENNA
+    return {
+        **_group("gps.position", AXES, x + c * _ANTENNA, y + s * _ANTENNA, 1.4),
+        **_group("gps.velocity", AXES, SPEED * c - across * s, SPEED * s + across * c, 0.0),
+        **_group("gps", ("heading", "fix_count", "time", "valid"), yaw, count, taken, float(count > 0)),
+    }
+
+
+def _reference_at(t: float) -> Values:
+    x, y, course = _place(t)
+    return {"x": x, "y": y, "course": course, "speed": SPEED, "acceleration": 0.5, "curvature": RATE / SPEED}
+
+
+def _high_level(t: float) -> Values:
+    x, y, yaw = _place(t)
+    ahead = {
+        f"preview[{k}].{name}": value
+        for k in range(1, PREVIEW + 1)
+        for name, value in _reference_at(t + k * PREVIEW_PERIOD).items()
+    }
+    return {
+        **{f"reference.{name}": value for name, value in _reference_at(t).items()},
+        "reference.yaw_rate": RATE,
+        **ahead,
+        **_group("estimate.position", ("x", "y"), x - 0.4, y + 0.3),
+        "estimate.yaw": yaw + 0.02,
+        **_group("estimate.velocity", ("x", "y"), SPEED - 0.5, 0.2),
+    }
+
+
+def _low_level(t: float) -> Values:
+    return {
+        **_group("command", ("acceleration", "speed", "yaw_rate"), 0.5, SPEED + 0.3, RATE + 0.02),
+        **_group("command", ("steer_feedforward", "heave", "roll", "pitch"), 0.03, 0.005, 0.01, -0.01),
+        **_group("estimate", ("velocity.x", "yaw_rate"), SPEED, RATE),
+        **_group("estimate", ("roll", "pitch", "roll_rate", "pitch_rate"), 0.02, 0.01, 0.05, -0.05),
+        **_group("steer_angle", FRONT, 0.029, 0.028),
+        **_group("steer_rate", FRONT, 0.01, 0.01),
+        **_group("suspension_travel", WHEELS, -0.01, 0.01, -0.01, 0.01),
+        **_group("suspension_rate", WHEELS, -0.05, 0.05, -0.05, 0.05),
+    }
+
+
+_AT_ONCE = {"acceleration.start": 0.0, "acceleration.rise": 0.2, "weave.start": 0.0, "weave.rise": 0.3}
+_REGIMES = {
+    "Vehicle16Dof": Regime(
+        0.1,
+        {"velocity.x": 20.0, "tyre_force_y.fl": 100.0, "slip_angle.fr": 1e-3, "steer_angle.fl": 1e-3},
+        _plant,
+        {"initial.speed": SPEED},
+    ),
+    "Imu": Regime(0.2, {"accelerometer.y": 2.0, "gyroscope.z": 0.1}, _imu),
+    "GpsReceiver": Regime(0.5, {"gps.fix_count": 3.0, "gps.valid": 0.5, "gps.time": 0.2, "gps.heading": 0.01}, _gps),
+    "NavigationFilter": Regime(
+        0.4, {"fix.used_count": 2.0, "nis.position": 1e-6, "nis.heading": 1e-6}, _filter, {"initial.speed": SPEED}
+    ),
+    "ReferenceTrajectory": Regime(
+        0.8, {"reference.curvature": 1e-3, "reference.acceleration": 1.0, "reference.x": 10.0}, parameters=_AT_ONCE
+    ),
+    "HighLevelLqr": Regime(
+        0.6,
+        {
+            "feedback.acceleration": 0.01,
+            "feedback.yaw_rate": 1e-3,
+            "command.steer_feedforward": 0.01,
+            "command.speed": 20,
+        },
+        _high_level,
+    ),
+    "LowLevelPid": Regime(
+        0.06,
+        {"wheel_torque.fl": 20.0, "steer_torque.fl": 1.0, "suspension_force.rl": 20.0, "steer_demand": 0.01},
+        _low_level,
+    ),
+}
