@@ -68,6 +68,7 @@ class Direct:
         self.d, self.x, self.y = (np.asarray(result.full()).ravel() for result in results)
 
     def set(self, values: Mapping[str, float]) -> None:
+        """Set inputs by name; unknown names raise KeyError."""
         for name, value in values.items():
             self.u[self._inputs[name]] = value
 
@@ -75,6 +76,7 @@ class Direct:
         return float(self.y[self._outputs[name]])
 
     def outputs(self) -> dict[str, float]:
+        """The outputs by name, without `fault`."""
         return {name: float(self.y[i]) for name, i in self._outputs.items()}
 
     def sample(self, period: float | None = None) -> None:

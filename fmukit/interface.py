@@ -90,6 +90,7 @@ class Interface:
             raise ValueError(f"{self.name} declares {', '.join(twice)} more than once")
 
     def select(self, causality: Causality) -> tuple[Variable, ...]:
+        """Variables of one causality in slot order, `fault` among the outputs."""
         return tuple(variable for variable in self.variables if variable.causality == causality)
 
     def names(self, causality: Causality) -> tuple[str, ...]:

@@ -81,9 +81,11 @@ class Layout:
         self.size = sum(sizes.values())
 
     def symbol(self, name: str = "x") -> ca.SX:
+        """A fresh symbol of the whole column."""
         return ca.SX.sym(name, self.size)
 
     def split(self, column: ca.SX) -> dict[str, ca.SX]:
+        """The slices of the column by name."""
         parts, start = {}, 0
         for name, size in self.sizes.items():
             parts[name] = column[start : start + size]

@@ -38,6 +38,11 @@ class TableFile:
 
 @dataclass(frozen=True, slots=True)
 class Description:
+    """One FMU: `size` is that of the whole buffer, `period_slot` and `seed_slot` are -1 where there is none.
+
+    `step` and `max_substep` in s; `hash` names the package and so the kernel a saved state belongs to.
+    """
+
     name: str
     hash: str
     continuous: bool
@@ -56,6 +61,7 @@ class Description:
 
     @staticmethod
     def read(path: Path) -> Description:
+        """The description in the `interface.json` at `path`."""
         raw = json.loads(path.read_text("utf-8"))
         ports = tuple(_port(entry) for entry in raw["variables"])
         slots = {port.name: slot for slot, port in enumerate(ports)}
