@@ -1,4 +1,4 @@
-"""The `fmus` command: what there is (`list`), and making it (`build`)."""
+"""The `fmus` command: what there is (`list`), making it (`build`) and checking it (`check`)."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from fmukit.build.compiler import PLATFORMS
 from fmukit.build.errors import BuildError
 from fmukit.component import Component
 from fmus import CATALOGUE
+from fmus.check_cli import check_command
 
 # Of the click inside typer, which has no public name for it.
 _UsageError: type[Exception] = typer.BadParameter.__mro__[1]
@@ -52,6 +53,9 @@ def _about() -> None:
     """FMUs of the vehicle and formation control system."""
 
 
+app.command("check")(check_command)
+
+
 @app.command("list")
 def list_(as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False) -> None:
     """The catalogue: name, kind, step and ports of every FMU."""
@@ -80,12 +84,15 @@ def build(
     platform: Annotated[
         list[str] | None, typer.Option(help="linux64, win64 or both: --platform linux64 win64 (default: this one).")
     ] = None,
+    crosscheck: Annotated[
+        bool, typer.Option("--crosscheck", help="Write inputs and reference results of a run beside each FMU.")
+    ] = False,
 ) -> None:
     """Build FMUs into a folder and print their paths."""
     platforms = list(dict.fromkeys([*(platform or []), *(name for name in names or [] if name in PLATFORMS)]))
     for component in _select([name for name in names or [] if name not in PLATFORMS]):
         with _busy(component.interface.name):
-            path = _build(component, directory, platforms)
+            path = _build(component, directory, platforms, crosscheck)
         print(path, flush=True)
 
 
@@ -99,10 +106,10 @@ def _busy(name: str) -> Iterator[None]:
         yield
 
 
-def _build(component: Component, directory: Path, platforms: Sequence[str]) -> Path:
+def _build(component: Component, directory: Path, platforms: Sequence[str], bundle: bool) -> Path:
     from fmukit.build.builder import build as build_fmu  # noqa: PLC0415 (imports casadi)
 
-    return build_fmu(component, directory, platforms)
+    return build_fmu(component, directory, platforms, bundle=bundle)
 
 
 def _select(names: list[str]) -> list[Component]:

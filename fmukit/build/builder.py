@@ -12,13 +12,15 @@ from uuid import UUID
 import pythonfmu
 
 import fmukit.runtime
-from fmukit.build import about, archive, compiler, xml
+from fmukit.build import about, archive, compiler, crosscheck, xml
 from fmukit.build.codegen import Code, generate
 from fmukit.build.dependencies import initial_dependencies
+from fmukit.build.documentation import documents
 from fmukit.build.errors import BuildError
-from fmukit.build.sources import component_folder
+from fmukit.build.recording import recorded
 from fmukit.component import Component
 from fmukit.interface import Interface, Variable
+from fmukit.kernel import Kernel
 
 _INIT = '''"""Made by fmukit: the slave class of this FMU."""
 
@@ -30,13 +32,29 @@ from .runtime import keep, slave_class
 '''
 
 
-def build(component: Component, directory: Path | str, platforms: Sequence[str] | None = None) -> Path:
-    """Build `directory`/NAME.fmu for `platforms` (default: this one) and return its path; raises BuildError."""
+def build(
+    component: Component, directory: Path | str, platforms: Sequence[str] | None = None, *, bundle: bool = False
+) -> Path:
+    """Build `directory`/NAME.fmu for `platforms` (default: this one) and return its path; raises BuildError.
+
+    With `bundle` the files of its cross-check are written beside it (none without a reference run).
+    """
     interface = component.interface
     targets = tuple(platforms or (compiler.host_platform(),))
     for platform in targets:
         compiler.command(platform)
     kernel = component.kernel()
+    recording = recorded(component, kernel)
+    files = crosscheck.bundle(interface.name, recording) if bundle and recording else {}
+    members = _model(interface, kernel, targets) | documents(component, recording)
+    files[f"{interface.name}.fmu"] = archive.pack(members)
+    for name, data in files.items():
+        archive.write(Path(directory) / name, data)
+    return Path(directory) / f"{interface.name}.fmu"
+
+
+def _model(interface: Interface, kernel: Kernel, targets: tuple[str, ...]) -> dict[str, bytes]:
+    """Members of the archive that make it run."""
     code = generate(interface, kernel)
     files = _package(interface, code, {platform: library(code, platform) for platform in targets})
     digest = _digest(files)
@@ -44,11 +62,11 @@ def build(component: Component, directory: Path | str, platforms: Sequence[str] 
     script = f"{interface.name.lower()}_{digest.hex()[:16]}"
     text = f"from {package} import {interface.name}, keep\nkeep(globals())\n"
     members = archive.only_platforms(archive.python_fmu(script, text, package, files), targets)
+    guid = f"{{{UUID(bytes=digest[:16])}}}"
     members["modelDescription.xml"] = xml.describe(
-        interface, f"{{{UUID(bytes=digest[:16])}}}", about.about(), initial_dependencies(interface, kernel)
+        interface, guid, about.about(), initial_dependencies(interface, kernel)
     )
-    members |= _documents(component)
-    return archive.write(Path(directory) / f"{interface.name}.fmu", archive.pack(members))
+    return members
 
 
 def library(code: Code, platform: str) -> bytes:
@@ -96,14 +114,6 @@ def _digest(files: Mapping[str, bytes]) -> bytes:
     for name in sorted(files):
         digest.update(f"{name} {len(files[name])}\n".encode() + files[name])
     return digest.digest()
-
-
-def _documents(component: Component) -> dict[str, bytes]:
-    members = {"resources/requirements.txt": b"", **about.licences()}
-    readme = component_folder(component) / "README.md"
-    if readme.is_file():
-        members["documentation/README.md"] = readme.read_bytes()
-    return members
 
 
 __all__ = ["BuildError", "build"]

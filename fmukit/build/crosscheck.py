@@ -6,16 +6,11 @@ CSV files have a quoted header, no trailing separators and at most 1 MB.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 
 import numpy as np
 
-from fmukit.build.archive import write
 from fmukit.build.errors import BuildError
-from fmukit.build.recording import Recording, record, shown
-from fmukit.component import Component
-from fmukit.kernel import Kernel
-from fmukit.reference_run import reference_run
+from fmukit.build.recording import Recording, shown
 
 RELATIVE_TOLERANCE = 1e-6
 _LARGEST = 1_000_000
@@ -37,16 +32,6 @@ In FMPy:
 
     fmpy simulate {name}.fmu {options}--output-interval {step:g} --stop-time {stop:g}
 """
-
-
-def write_bundle(component: Component, directory: Path) -> list[Path]:
-    """Write the bundle beside the FMU in `directory`; [] for a component without a reference run."""
-    run = reference_run(component)
-    if run is None:
-        return []
-    kernel: Kernel = component.kernel()
-    members = bundle(component.interface.name, record(component, kernel, run))
-    return [write(directory / name, data) for name, data in members.items()]
 
 
 def bundle(name: str, recording: Recording) -> dict[str, bytes]:

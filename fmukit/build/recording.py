@@ -10,7 +10,7 @@ import numpy as np
 from fmukit.component import Component
 from fmukit.direct import Direct
 from fmukit.kernel import Kernel
-from fmukit.reference_run import ReferenceRun
+from fmukit.reference_run import ReferenceRun, reference_run
 
 _DIGITS = 9
 
@@ -28,6 +28,12 @@ class Recording:
 def shown(value: float) -> str:
     """A number as it stands in files: nine digits."""
     return f"{value:.{_DIGITS}g}"
+
+
+def recorded(component: Component, kernel: Kernel) -> Recording | None:
+    """The component's reference run, played; None when it declares none."""
+    run = reference_run(component)
+    return None if run is None else record(component, kernel, run)
 
 
 def record(component: Component, kernel: Kernel, run: ReferenceRun) -> Recording:

@@ -10,7 +10,7 @@ from pathlib import Path
 from fmukit.build.errors import BuildError
 from fmukit.component import Component
 
-_KINDS = {".py", ".toml", ".c", ".h", ".csv"}
+_KINDS = {".py", ".toml", ".c", ".h", ".csv", ".md"}
 
 
 def component_folder(component: Component) -> Path:

@@ -61,7 +61,8 @@ def _inputs(t: float) -> dict[str, float]:
 
 RUN = ReferenceRun(
     "The car stands for a second, then speeds up along a circle of 200 m radius. Readings have no noise, but the yaw"
-    " gyroscope is off by 0.005 rad/s and the forward accelerometer by 0.05 m/s²: the filter finds both.",
+    " gyroscope is off by 0.005 rad/s, which the filter finds, and the forward accelerometer by 0.05 m/s², which it"
+    " shares between bias and pitch.",
     stop=10.0,
     step=0.01,
     inputs=_inputs,

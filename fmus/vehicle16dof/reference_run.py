@@ -5,7 +5,7 @@ from __future__ import annotations
 from fmukit.reference_run import ReferenceRun, rise
 from fmus.wheels import FRONT, WHEELS
 
-_DRIVE, _BRAKE, _STEER = 400.0, 600.0, 60.0
+_DRIVE, _BRAKE, _STEER = 400.0, 600.0, 25.0
 
 
 def _inputs(t: float) -> dict[str, float]:

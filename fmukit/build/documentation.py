@@ -1,0 +1,29 @@
+"""What a user finds inside an FMU beside the model: page, pictures, licences, requirements."""
+
+from __future__ import annotations
+
+from fmukit import __version__
+from fmukit.build import about, pictures
+from fmukit.build.page import page
+from fmukit.build.recording import Recording
+from fmukit.build.sources import component_folder
+from fmukit.component import Component
+
+
+def documents(component: Component, recording: Recording | None) -> dict[str, bytes]:
+    """Members of the archive by name; without a `recording` of its reference run the page has no plot."""
+    interface, run = component.interface, recording.run if recording else None
+    members = {
+        "resources/requirements.txt": b"",
+        "model.png": pictures.block(interface),
+        "documentation/index.html": page(interface, _readme(component), run, __version__).encode(),
+        **about.licences(),
+    }
+    if recording is not None:
+        members["documentation/reference_run.png"] = pictures.plot(interface, recording)
+    return members
+
+
+def _readme(component: Component) -> str:
+    path = component_folder(component) / "README.md"
+    return path.read_text("utf-8") if path.is_file() else ""
