@@ -20,5 +20,6 @@ class Component:
     model: str
 
     def kernel(self) -> Kernel:
+        """Make the kernel: imports the model, and casadi with it."""
         kernel: Kernel = import_module(self.model).kernel()
         return kernel

@@ -57,6 +57,7 @@ class DesignModel:
 
     @property
     def wheelbase(self) -> float:
+        """Distance of the axles [m]."""
         return self.l_f + self.l_r
 
     @property

@@ -29,11 +29,13 @@ class Plan:
         self._pick = itemgetter(*slots) if len(slots) > 1 else None
 
     def read(self, buffer: array[float]) -> list[float]:
+        """The values of the slots, in the order asked for."""
         if self.where is not None:
             return buffer[self.where].tolist()
         return list(self._pick(buffer)) if self._pick else []
 
     def write(self, buffer: array[float], values: array[float]) -> None:
+        """Put one value into each slot."""
         if self.where is not None:
             buffer[self.where] = values
         else:

@@ -43,6 +43,7 @@ class Refused:
 
 
 def to_bytes(snapshot: Snapshot, description: Description) -> bytes:
+    """The snapshot with the hash of its FMU's package, which alone can read it back."""
     text = json.dumps(snapshot.strings).encode("utf-8")
     head = _HEAD.pack(
         _MAGIC,

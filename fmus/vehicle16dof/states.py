@@ -45,6 +45,7 @@ class Corner:
 
     @property
     def steered(self) -> bool:
+        """Whether the wheel has a kingpin: those of the front axle."""
         return self.axle == "front"
 
 
