@@ -25,13 +25,16 @@ class Slave(Values):
     # life cycle
 
     def setup_experiment(self, start_time: float, stop_time: float | None, tolerance: float | None) -> None:
+        """Only checked: time starts where the first step does, and the step is the host's to choose."""
         self._expect("setupExperiment", INSTANTIATED)
 
     def enter_initialization_mode(self) -> None:
+        """From now on outputs read belong to the parameters and inputs set so far."""
         if self._expect("enterInitializationMode", INSTANTIATED):
             self._enter(INITIALISING)
 
     def exit_initialization_mode(self) -> None:
+        """Compute derived values, first states and outputs; what cannot be is told, and every step is discarded."""
         if not self._expect("exitInitializationMode", INITIALISING):
             return
         self._enter(STEPPING)
@@ -41,6 +44,7 @@ class Slave(Values):
             self._break(error)
 
     def terminate(self) -> None:
+        """Outputs can still be read; nothing can be set."""
         if self._expect("terminate", STEPPING):
             self._enter(TERMINATED)
 
@@ -54,6 +58,7 @@ class Slave(Values):
     # time
 
     def do_step(self, current_time: float, step_size: float) -> bool:
+        """One step [s]; False when it was discarded: the outputs stay, `fault` is true and the reason is logged."""
         try:
             if self._mode != STEPPING or self._pending or self._broken or not 0.0 < step_size <= _LONGEST_STEP:
                 return self._discard(step_size)

@@ -14,6 +14,7 @@ class Values(Instance):
     """The get and set callbacks of an instance."""
 
     def get_real(self, vrs: list[int]) -> list[float]:
+        """Values at the value references; NaN for all of them when the call is refused."""
         try:
             if vrs == self._get_vrs:
                 return self._get_plan.read(self._buffer)
@@ -23,12 +24,14 @@ class Values(Instance):
             return [float("nan")] * len(vrs)
 
     def set_real(self, vrs: list[int], values: list[float]) -> None:
+        """Store all values, or none when one may not be set or is outside its limits."""
         try:
             self._write(self._set_plan if vrs == self._set_vrs else self._settable(vrs, "Real"), values)
         except BaseException as error:
             self._refuse(error)
 
     def get_integer(self, vrs: list[int]) -> list[int]:
+        """As `get_real`; zeros when the call is refused."""
         try:
             return [int(value) for value in self._gettable(vrs, "Integer").read(self._buffer)]
         except BaseException as error:
@@ -36,12 +39,14 @@ class Values(Instance):
             return [0] * len(vrs)
 
     def set_integer(self, vrs: list[int], values: list[int]) -> None:
+        """As `set_real`."""
         try:
             self._write(self._settable(vrs, "Integer"), [float(value) for value in values])
         except BaseException as error:
             self._refuse(error)
 
     def get_boolean(self, vrs: list[int]) -> list[bool]:
+        """As `get_real`; False when the call is refused."""
         try:
             return [value != 0.0 for value in self._gettable(vrs, "Boolean").read(self._buffer)]
         except BaseException as error:
@@ -49,12 +54,14 @@ class Values(Instance):
             return [False] * len(vrs)
 
     def set_boolean(self, vrs: list[int], values: list[bool]) -> None:
+        """As `set_real`."""
         try:
             self._write(self._settable(vrs, "Boolean"), [1.0 if value else 0.0 for value in values])
         except BaseException as error:
             self._refuse(error)
 
     def get_string(self, vrs: list[int]) -> list[str]:
+        """As `get_real`; empty texts when the call is refused."""
         try:
             return [self._strings[slot] for slot in self._gettable(vrs, "String").slots]
         except BaseException as error:
@@ -62,6 +69,7 @@ class Values(Instance):
             return [""] * len(vrs)
 
     def set_string(self, vrs: list[int], values: list[str]) -> None:
+        """Store all texts; they are read at initialisation."""
         try:
             slots = self._settable(vrs, "String").slots
             self._strings.update(zip(slots, map(str, values), strict=True))
