@@ -1,0 +1,15 @@
+"""For test suites: `from fmukit.conformance.pytest_helper import assert_conformant`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from fmukit.conformance.check import ALL, check
+from fmukit.conformance.report import sentences
+
+
+def assert_conformant(path: Path | str, groups: str = ALL) -> None:
+    """Fail with one paragraph per rule that does not hold for the FMU."""
+    failures = sentences(Path(path), check(path, groups))
+    if failures:
+        raise AssertionError(failures)
