@@ -45,9 +45,15 @@ class Node:
     incoming: dict[str, Connection] = field(default_factory=dict)
 
 
-def assemble(system: System, faces: Mapping[str, Face], seed: int) -> dict[str, Node]:
-    """The nodes of `system` by instance name, `faces` by instance name too; raises CosimError for any mistake."""
+def assemble(system: System, faces: Mapping[str, Face], seed: int, step: float | None = None) -> dict[str, Node]:
+    """The nodes of `system` by instance name, `faces` by instance name too; raises CosimError for any mistake.
+
+    `step` [s] is one communication step for all: models that keep their own sampling grid go on sampling on it.
+    """
     nodes = {name: _node(name, instance, faces[name], seed) for name, instance in system.instances.items()}
+    if step is not None:
+        for node in nodes.values():
+            node.period = nanoseconds(step, "the common step")
     for wire in system.wires:
         for connection in _expand(wire, nodes):
             _attach(nodes[wire.target], connection)

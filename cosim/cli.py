@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 import typer
 
 from cosim.errors import CosimError, because
+from cosim.schedule import Scheme
 
 if TYPE_CHECKING:
     from cosim.results import Results
@@ -77,6 +78,10 @@ def run(
     ] = None,
     seed: Annotated[int, typer.Option(help="Seed of all noise; equal seeds give bit-identical runs.")] = 0,
     stop_time: Annotated[float | None, typer.Option("--stop-time", metavar="S", help="End of the run [s].")] = None,
+    scheme: Annotated[
+        Scheme, typer.Option(help="jacobi: all step together and exchange afterwards, as most other tools do.")
+    ] = "multirate",
+    step: Annotated[float | None, typer.Option(metavar="S", help="One communication step for all [s].")] = None,
     folder: Annotated[
         Path | None, typer.Option("-o", "--output", help="Results folder; results/NAME if left out.")
     ] = None,
@@ -94,7 +99,7 @@ def run(
 
     scenario = scenarios.load(name)
     target = folder if folder is not None else Path("results") / name
-    request = Request(scenario, target, parse_assignments(assignments or []), seed, stop_time)
+    request = Request(scenario, target, parse_assignments(assignments or []), seed, stop_time, scheme, step)
     stop = stop_time if stop_time is not None else scenario.stop_time
     explainer = display.explainer(to_stderr=as_json or quiet) if explain else display.silent
     with display.progress(stop, shown=not (quiet or as_json)) as progress:

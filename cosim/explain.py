@@ -26,9 +26,9 @@ def explanation(plan: Plan) -> list[tuple[str, Table]]:
 
 def _order(plan: Plan) -> Table:
     table = _table("step", "instance", "model", "kind", "period")
-    for step, name in enumerate(plan.schedule.sampled + plan.schedule.continuous, start=1):
+    for step, name in enumerate(plan.schedule.sequential + plan.schedule.parallel, start=1):
         node = plan.nodes[name]
-        place = str(step) if node.face.kind == "sampled" else "then, together"
+        place = str(step) if name in plan.schedule.sequential else "then, together"
         table.add_row(place, name, node.face.model, node.face.kind, _ms(to_seconds(node.period)))
     return table
 
@@ -44,7 +44,7 @@ def _edges(nodes: Mapping[str, Node], schedule: Schedule) -> Table:
 def _reading(source: str, target: str, schedule: Schedule) -> str:
     if (source, target) in schedule.broken:
         return "delay: a cycle is broken here, the value of the previous period is read"
-    if source in schedule.continuous:
+    if source in schedule.parallel:
         return "delay: the value at the communication point, held over the step"
     return "newest"
 

@@ -1,7 +1,8 @@
 """The multirate master: integer time, one signal vector, and at each tick a flat list of bound calls.
 
-At a tick t: continuous slaves whose step ends at t publish their outputs; due sampled slaves run in dataflow order,
-each reading the newest signals; the recorder takes a row; due continuous slaves take their inputs and step together.
+At a tick t: parallel slaves whose step ends at t publish their outputs; due sequential slaves run in dataflow order,
+each reading the newest signals; the recorder takes a row; due parallel slaves take their inputs and step together.
+Sequential are the sampled slaves and parallel the continuous ones; with the scheme "jacobi" all are parallel.
 """
 
 from __future__ import annotations
@@ -125,9 +126,9 @@ class Master:
         return time
 
     def _ticks(self, stop: int, record: Action) -> Iterator[tuple[int, list[Action]]]:
-        """(time, what to do) in time order; the last steps of the continuous slaves are cut to end at `stop`."""
+        """(time, what to do) in time order; the last steps of the parallel slaves are cut to end at `stop`."""
         cycle = self._plan(min(self.schedule.cycle, stop), record)
-        tail = stop - max((self._nodes[name].period for name in self.schedule.continuous), default=0)
+        tail = stop - max((self._nodes[name].period for name in self.schedule.parallel), default=0)
         for start in range(0, stop, self.schedule.cycle):
             for offset, actions in cycle:
                 time = start + offset
@@ -139,7 +140,7 @@ class Master:
                     yield time, actions
 
     def _cut(self, time: int, stop: int) -> None:
-        for name in self.schedule.continuous:
+        for name in self.schedule.parallel:
             period = self._nodes[name].period
             if time % period == 0:
                 self._bound[name].step.value = to_seconds(min(period, stop - time))
@@ -156,19 +157,19 @@ class Master:
         return plan
 
     def _actions(self, due: set[str], record: Action) -> list[Action]:
-        plants = [self._bound[name] for name in self.schedule.continuous if name in due]
-        sampled = [self._bound[name].exchange for name in self.schedule.sampled if name in due]
+        parallel = [self._bound[name] for name in self.schedule.parallel if name in due]
+        sequential = [self._bound[name].exchange for name in self.schedule.sequential if name in due]
         return [
-            *(plant.publish for plant in plants),
-            *sampled,
+            *(bound.publish for bound in parallel),
+            *sequential,
             record,
-            *(plant.feed for plant in plants),
-            *(plant.advance for plant in plants),
+            *(bound.feed for bound in parallel),
+            *(bound.advance for bound in parallel),
         ]
 
     def _finish(self, stop: int, record: Action) -> None:
         self._time.value = to_seconds(stop)
-        for name in self.schedule.continuous:
+        for name in self.schedule.parallel:
             self._bound[name].publish()
         record()
 

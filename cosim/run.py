@@ -19,7 +19,7 @@ from cosim.master import Master, Outcome
 from cosim.recorder import PARQUET, STREAM, Recorder, recorded
 from cosim.results import Results, load_results
 from cosim.scenario import Scenario, configured
-from cosim.schedule import Schedule, schedule
+from cosim.schedule import Schedule, Scheme, schedule
 from cosim.slave import Slave, SlaveError
 from cosim.summary import SUMMARY, summarise, write_summary
 
@@ -42,13 +42,18 @@ class Plan:
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """What the user asked for: `assignments` are (instance.variable or scenario.setting, text)."""
+    """What the user asked for: `assignments` are (instance.variable or scenario.setting, text).
+
+    `step` [s], if given, is the communication step of all instances instead of a period for each.
+    """
 
     scenario: Scenario
     folder: Path
     assignments: Sequence[tuple[str, str]] = ()
     seed: int = 0
     stop_time: float | None = None
+    scheme: Scheme = "multirate"
+    step: float | None = None
 
 
 def run(
@@ -65,8 +70,8 @@ def run(
     stop = nanoseconds(seconds, "the stop time")
     system = configured(scenario, request.assignments)
     with Loader(scenario.find) as loader:
-        nodes = assemble(system, loader.faces(system), request.seed)
-        plan = Plan(scenario, nodes, schedule(nodes), stop, request.seed)
+        nodes = assemble(system, loader.faces(system), request.seed, request.step)
+        plan = Plan(scenario, nodes, schedule(nodes, request.scheme), stop, request.seed)
         explain(plan)
         outcome = execute(plan, lambda: loader.slaves(system, nodes), request.folder, progress)
     return _conclude(plan, outcome, request.folder)

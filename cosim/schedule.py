@@ -1,26 +1,30 @@
 """In which order instances run, and when.
 
-Sampled instances run in dataflow order, each reading the newest signals. Edges out of continuous instances are delays:
-the value read is that of the communication point. Cycles among sampled instances are broken at their slowest edge.
+Scheme "multirate": sampled instances run in dataflow order, each reading the newest signals. Edges out of continuous
+instances are delays: the value read is that of the communication point. Cycles among sampled instances are broken at
+their slowest edge. Scheme "jacobi", that of most other tools: all due instances take their inputs at the tick and step
+together, and what they put out appears when their step ends; every edge is a delay.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 from cosim.assembly import Node
 from cosim.clock import base_tick, hyperperiod
 
 Edge = tuple[str, str]
+Scheme = Literal["multirate", "jacobi"]
 
 
 @dataclass(frozen=True, slots=True)
 class Schedule:
-    """`sampled` in the order they run at a tick; `continuous` step together after them. Times in ns."""
+    """`sequential` in the order they run at a tick; `parallel` step together after them. Times in ns."""
 
-    sampled: tuple[str, ...]
-    continuous: tuple[str, ...]
+    sequential: tuple[str, ...]
+    parallel: tuple[str, ...]
     broken: tuple[Edge, ...]
     tick: int
     cycle: int
@@ -28,10 +32,10 @@ class Schedule:
     @property
     def initial(self) -> tuple[str, ...]:
         """The order of initialisation: plants first, then along the dataflow."""
-        return self.continuous + self.sampled
+        return self.parallel + self.sequential
 
 
-def schedule(nodes: Mapping[str, Node]) -> Schedule:
+def schedule(nodes: Mapping[str, Node], scheme: Scheme = "multirate") -> Schedule:
     """The schedule of the nodes, which stay in their given order where the dataflow leaves a choice."""
     sampled = [name for name, node in nodes.items() if node.face.kind == "sampled"]
     continuous = tuple(name for name in nodes if name not in sampled)
@@ -43,7 +47,10 @@ def schedule(nodes: Mapping[str, Node]) -> Schedule:
     }
     periods = {name: node.period for name, node in nodes.items()}
     order, broken = _order(sampled, edges, periods)
-    return Schedule(tuple(order), continuous, tuple(broken), base_tick(periods.values()), hyperperiod(periods.values()))
+    times = base_tick(periods.values()), hyperperiod(periods.values())
+    if scheme == "jacobi":
+        return Schedule((), (*continuous, *order), (), *times)
+    return Schedule(tuple(order), continuous, tuple(broken), *times)
 
 
 def active_ticks(periods: Mapping[str, int], end: int) -> Iterator[tuple[int, tuple[str, ...]]]:

@@ -8,7 +8,7 @@ from cosim.assembly import Node, assemble
 from cosim.clock import SECOND
 from cosim.face import Face, Port, Value
 from cosim.master import Master, Outcome
-from cosim.schedule import schedule
+from cosim.schedule import Scheme, schedule
 from cosim.slave import Calls, Memory, SlaveError
 from cosim.system import System
 from cosim.units import Unit
@@ -98,17 +98,21 @@ class Mock:
         self.closed = True
 
 
-def mastered(system: System, mocks: Mapping[str, Mock], seed: int = 0) -> tuple[Master, dict[str, Node]]:
+def mastered(
+    system: System, mocks: Mapping[str, Mock], scheme: Scheme = "multirate", step: float | None = None
+) -> tuple[Master, dict[str, Node]]:
     """An initialised master on the mocks."""
-    nodes = assemble(system, {name: mock.face for name, mock in mocks.items()}, seed)
-    master = Master(nodes, schedule(nodes), dict(mocks))
+    nodes = assemble(system, {name: mock.face for name, mock in mocks.items()}, 0, step)
+    master = Master(nodes, schedule(nodes, scheme), dict(mocks))
     master.initialise()
     return master, nodes
 
 
-def simulate(system: System, mocks: Mapping[str, Mock], stop: float) -> tuple[Outcome, list[dict[str, float]]]:
+def simulate(
+    system: System, mocks: Mapping[str, Mock], stop: float, scheme: Scheme = "multirate", step: float | None = None
+) -> tuple[Outcome, list[dict[str, float]]]:
     """Run to `stop` [s]; the rows recorded, by signal name."""
-    master, _ = mastered(system, mocks)
+    master, _ = mastered(system, mocks, scheme, step)
     rows: list[dict[str, float]] = []
     names = ["time", *(signal.name for signal in master.signals)]
     outcome = master.run(

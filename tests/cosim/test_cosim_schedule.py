@@ -23,26 +23,26 @@ def test_dataflow_order_whatever_the_listing():
         {"llc": 0.001, "hlc": 0.02, "filter": 0.005, "plant": 0.001, "imu": 0.005},
         continuous={"plant"},
     )
-    assert plan.sampled == ("imu", "filter", "hlc", "llc")
-    assert plan.continuous == ("plant",)
+    assert plan.sequential == ("imu", "filter", "hlc", "llc")
+    assert plan.parallel == ("plant",)
     assert plan.broken == ()
     assert (plan.tick, plan.cycle) == (1_000_000, 20_000_000)
 
 
 def test_unrelated_instances_keep_their_order():
-    assert chain([], {"b": 0.01, "a": 0.01, "c": 0.01}).sampled == ("b", "a", "c")
+    assert chain([], {"b": 0.01, "a": 0.01, "c": 0.01}).sequential == ("b", "a", "c")
 
 
 def test_a_cycle_is_broken_at_its_slowest_edge():
     plan = chain([("a", "b"), ("b", "c"), ("c", "a")], {"a": 0.01, "b": 0.1, "c": 0.02})
     assert plan.broken == (("b", "c"),)
-    assert plan.sampled == ("c", "a", "b")
+    assert plan.sequential == ("c", "a", "b")
 
 
 def test_two_cycles_through_one_instance_are_both_broken():
     plan = chain([("a", "b"), ("b", "a"), ("b", "c"), ("c", "b")], {"a": 0.05, "b": 0.01, "c": 0.02})
     assert set(plan.broken) == {("a", "b"), ("c", "b")}
-    assert plan.sampled == ("b", "a", "c")
+    assert plan.sequential == ("b", "a", "c")
 
 
 def test_active_ticks_skip_instants_at_which_nothing_is_due():
