@@ -1,5 +1,7 @@
 """The scheme of most other tools: all due slaves take their inputs, then all step, then their outputs appear."""
 
+from itertools import pairwise
+
 import pytest
 from cosim_mocks import Mock, face, simulate
 
@@ -42,7 +44,7 @@ def test_inputs_are_those_of_the_tick_whatever_the_order():
         system, mocks = loop(slow=0.01)
         system.instances = {name: system.instances[name] for name in names}
         _, rows = simulate(system, mocks, 0.03, "jacobi")
-        for before, after in zip(rows, rows[1:], strict=False):
+        for before, after in pairwise(rows):
             assert after["source.a"] == before["plant.y"] + 1.0
             assert after["follower.b"] == 10.0 * before["source.a"]
             assert after["plant.y"] == before["follower.b"] + 0.5
