@@ -1,0 +1,173 @@
+"""Rules of behaviour: repeatable, true to what is declared, and a function of time rather than of calls."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from math import isclose, isfinite
+
+from fmukit.conformance import host
+from fmukit.conformance.bench import Bench, fmi_type, limits
+from fmukit.conformance.rule import NotApplicable, Rules
+from fmukit.conformance.variable import Value, Variable
+
+B: Rules[Bench] = Rules("B")
+_SHRINK = 1.2
+_ROUNDING = 1e-6
+
+
+@B.add(
+    "two runs give the same numbers, bit for bit",
+    "good practice",
+    "let random numbers come from a seed that is a parameter, use no clock, and initialise all memory",
+)
+def determinism(bench: Bench) -> Iterator[str]:
+    one, other = bench.runs_alone()
+    changed = bench.difference(one, other)
+    if changed:
+        yield f"two runs in processes of their own differ: {changed}"
+
+
+@B.add(
+    "start values are respected",
+    "2.2.7",
+    "let a new instance have the start values of the model description in all variables with initial=exact",
+)
+def start_values(bench: Bench) -> Iterator[str]:
+    instance = bench.lead("initialisation")
+    for variable in bench.package.variables:
+        exact = variable.initial == "exact" or variable.causality == "input"
+        if not exact or variable.start is None:
+            continue
+        status, (value,) = instance.get(fmi_type(variable), [variable.vr])
+        if status > host.WARNING:
+            yield f"{variable.name} cannot be read: {host.word(status)}"
+        elif not _equal(variable, value, variable.start):
+            yield f"{variable.name} is {_plain(value)!r}, its declared start value is {variable.start!r}"
+    instance.free()
+
+
+@B.add(
+    "outputs are finite",
+    "good practice",
+    "give outputs a finite value at the start, and look for a division by zero or an unstable equation",
+)
+def finite(bench: Bench) -> Iterator[str]:
+    rows = host.life(bench.target, bench.plan)
+    for position, variable in enumerate(bench.outputs):
+        k = next((k for k, row in enumerate(rows) if not isfinite(row[position])), None)
+        if k is not None:
+            yield f"{variable.name} is {rows[k][position]} at {bench.plan.start + k * bench.plan.step:g} s"
+
+
+@B.add(
+    "what is set can be read back",
+    "2.1.7",
+    "let fmi2GetXXX return exactly what fmi2SetXXX stored, also before initialisation",
+)
+def round_trips(bench: Bench) -> Iterator[str]:
+    instance = bench.lead("instantiated")
+    variables = [
+        v for v in bench.package.variables if v.settable_before_start and v.causality in ("parameter", "input")
+    ]
+    wanted = {v: _another(v) for v in variables if v.type != "Enumeration"}
+    for variable, value in wanted.items():
+        status = instance.set(fmi_type(variable), [variable.vr], [value])
+        if status > host.WARNING:
+            yield f"{variable.name} = {value!r} before initialisation is answered with {host.word(status)}"
+    instance.enter(bench.plan.start)
+    for variable, value in wanted.items():
+        _, (read,) = instance.get(fmi_type(variable), [variable.vr])
+        if not _equal(variable, read, value):
+            yield f"{variable.name} was set to {value!r} and reads back as {_plain(read)!r}"
+    instance.free()
+
+
+def _another(variable: Variable) -> Value:
+    """A permitted value that is not the start value and not a short binary number."""
+    start = variable.start
+    if variable.type == "String":
+        return "another text: äß"
+    if variable.type == "Boolean":
+        return not start
+    low, high = limits(variable)
+    if variable.type == "Integer":
+        return int(start or 0) + 1 if int(start or 0) < high else int(low)
+    value = float(start or 0.0)
+    aside = 0.0123456789 * (variable.nominal or abs(value) or 1.0)
+    return next((other for other in (value + aside, value - aside) if low <= other <= high), low)
+
+
+def _equal(variable: Variable, value: object, wanted: object) -> bool:
+    if variable.type == "Real":
+        return isclose(float(value), float(wanted), rel_tol=1e-15, abs_tol=0.0)  # type: ignore[arg-type]
+    if variable.type == "Boolean":
+        return bool(value) == bool(wanted)
+    return bool(_plain(value) == wanted)
+
+
+def _plain(value: object) -> object:
+    return value.decode("utf-8", "replace") if isinstance(value, bytes) else value
+
+
+@B.add(
+    "sampled outputs do not depend on how the host cuts time into steps",
+    "4.2.2",
+    "sample on a grid of accumulated time, not once per fmi2DoStep: a host may take half or double steps",
+)
+def step_size_invariance(bench: Bench) -> Iterator[str]:
+    if bench.continuous or not bench.select("output", "Real"):
+        raise NotApplicable("it has no outputs that are all sampled")
+    bench.requires("canHandleVariableCommunicationStepSize", "it takes steps of one size only")
+    held = _held(bench.plan, 2)
+    expected = _at_ends(bench, held, 2)
+    for parts, words in ((4, "half steps"), (1, "double steps"), (6, "thirds of a step")):
+        changed = bench.difference(_at_ends(bench, held, parts), expected)
+        if changed:
+            yield f"with {words} of the host the samples change: {_doubled(changed)}"
+
+
+@B.add(
+    "continuous outputs converge as the host's steps shrink",
+    "4.2.2",
+    "integrate over the step given, with inner steps short enough; do not count calls",
+)
+def convergence(bench: Bench) -> Iterator[str]:
+    if not bench.continuous:
+        raise NotApplicable("it has no continuous outputs")
+    bench.requires("canHandleVariableCommunicationStepSize", "it takes steps of one size only")
+    once, twice, often = (_at_ends(bench, bench.plan, parts) for parts in (1, 2, 4))
+    for position, variable in enumerate(bench.outputs):
+        if variable.type != "Real" or variable.variability != "continuous":
+            continue
+        columns = [[float(row[position]) for row in rows] for rows in (once, twice, often)]
+        yield from _converges(variable, columns)
+
+
+def _converges(variable: Variable, columns: list[list[float]]) -> Iterator[str]:
+    """Halving the steps again must change the output less than halving them once, down to rounding."""
+    once, twice, often = columns
+    scale = max(map(abs, often), default=0.0) + 1e-12
+    coarse = max(abs(a - b) for a, b in zip(once, twice, strict=True))
+    fine = max(abs(a - b) for a, b in zip(twice, often, strict=True))
+    if not fine <= max(coarse / _SHRINK, _ROUNDING * scale):
+        yield (
+            f"{variable.name} changes by {coarse:.3g} when the steps are halved and by {fine:.3g} when they are "
+            "halved again"
+        )
+
+
+def _held(plan: host.Plan, count: int) -> host.Plan:
+    """The plan of `count` times the step, with inputs held as long."""
+    return host.Plan(plan.start, count * plan.step, plan.rows[::count])
+
+
+def _at_ends(bench: Bench, plan: host.Plan, parts: int) -> list[host.Row]:
+    """The outputs at the ends of the plan's steps, each of which is cut into `parts`."""
+    rows = tuple(row for row in plan.rows for _ in range(parts))
+    return host.life(bench.target, replace(plan, step=plan.step / parts, rows=rows))[parts::parts]
+
+
+def _doubled(sentence: str) -> str:
+    """`difference` counts in steps of the plan; the time it names does not hold for plans of other steps."""
+    return sentence.partition(" s ")[2] or sentence

@@ -1,0 +1,175 @@
+"""The test bench of one FMU: where it is unpacked, what it declares, a run that excites it, and instances of it."""
+
+from __future__ import annotations
+
+import random
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, TypeVar
+
+from fmukit.conformance import errand, host
+from fmukit.conformance.package import Package
+from fmukit.conformance.rule import NotApplicable
+from fmukit.conformance.variable import Variable
+
+T = TypeVar("T")
+_PLATFORMS = {"win32": ("win64", ".dll"), "darwin": ("darwin64", ".dylib")}
+PLATFORM = _PLATFORMS.get(sys.platform, ("linux64", ".so"))
+STATES = ("instantiated", "initialisation", "stepping", "terminated")
+STEPS = 40
+_DEFAULT_STEP = 1e-2
+_LARGEST = 1e300
+
+
+@dataclass(frozen=True)
+class Bench:
+    """One FMU, unpacked in `folder`; `others` are unpacked FMUs to run beside it."""
+
+    package: Package
+    folder: Path
+    others: tuple[Bench, ...] = ()
+    memory: dict[str, Any] = field(default_factory=dict, compare=False)
+
+    # what it declares
+
+    @cached_property
+    def target(self) -> host.Target:
+        place, suffix = PLATFORM
+        library = self.folder / "binaries" / place / f"{self.package.identifier}{suffix}"
+        outputs = [(t, tuple(v.vr for v in self.select("output", t))) for t in ("Real", "Integer", "Boolean")]
+        return host.Target(
+            library=str(library),
+            resources=(self.folder / "resources").resolve().as_uri(),
+            guid=self.package.guid,
+            inputs=tuple(v.vr for v in self.select("input", "Real")),
+            outputs=tuple(pair for pair in outputs if pair[1]),
+        )
+
+    def select(self, causality: str, *types: str) -> tuple[Variable, ...]:
+        """The variables of a causality and of the types (default: all); an Enumeration counts as Integer."""
+        return tuple(
+            v for v in self.package.variables if v.causality == causality and (not types or fmi_type(v) in types)
+        )
+
+    @cached_property
+    def outputs(self) -> tuple[Variable, ...]:
+        """In the order of the rows of a run."""
+        return tuple(v for type_ in ("Real", "Integer", "Boolean") for v in self.select("output", type_))
+
+    @property
+    def continuous(self) -> bool:
+        """Whether it has continuous outputs; the standard's own variability tells."""
+        return any(v.variability == "continuous" for v in self.select("output", "Real"))
+
+    def requires(self, flag: str, why: str) -> None:
+        if not self.package.flag(flag):
+            raise NotApplicable(f"{why} ({flag} is not declared)")
+
+    # the run that excites it
+
+    @cached_property
+    def plan(self) -> host.Plan:
+        """Inputs near their start values, inside their limits, new at each step; the same whenever asked for."""
+        generator = random.Random(self.package.identifier)
+        inputs = self.select("input", "Real")
+        rows = tuple(tuple(_near(v, generator) for v in inputs) for _ in range(STEPS))
+        experiment = self.package.root.find("DefaultExperiment")
+        start = 0.0 if experiment is None else float(experiment.get("startTime", 0.0))
+        return host.Plan(start, self.package.step or _DEFAULT_STEP, rows)
+
+    def reference(self) -> list[host.Row]:
+        """The outputs of the plan: at the start and after each step. Not applicable when they do not repeat."""
+        if self.remember("same in one process", self._differs_in_one_process):
+            raise NotApplicable("two runs of this FMU differ (see the rules on determinism and on repeated lives)")
+        rows: list[host.Row] = self.memory["reference"]
+        return rows
+
+    def _differs_in_one_process(self) -> bool:
+        first, second = (host.life(self.target, self.plan) for _ in range(2))
+        self.memory["reference"] = first
+        return repr(first) != repr(second)
+
+    def alone(self) -> list[host.Row]:
+        """The outputs of the plan in a process of its own; not applicable when they differ from run to run."""
+        one, other = self.runs_alone()
+        if repr(one) != repr(other):
+            raise NotApplicable("two runs of this FMU differ (see the rule on determinism)")
+        return one
+
+    def runs_alone(self) -> list[list[host.Row]]:
+        """The outputs of the plan in two processes of their own."""
+        return self.remember("alone", lambda: [errand.send([self.task()])[0][0] for _ in range(2)])
+
+    def task(self) -> dict[str, Any]:
+        return errand.lives([(self.target, self.plan)])
+
+    def remember(self, name: str, find: Callable[[], T]) -> T:
+        """`find()`, worked out once."""
+        if name not in self.memory:
+            self.memory[name] = find()
+        value: T = self.memory[name]
+        return value
+
+    # instances
+
+    def lead(self, state: str, count: int = 5) -> host.Instance:
+        """A new instance led to one of STATES; stepping and terminated come after `count` steps."""
+        instance = host.made(self.target)
+        if state == "instantiated":
+            return instance
+        instance.enter(self.plan.start)
+        if state == "initialisation":
+            return instance
+        instance.must("ExitInitializationMode")
+        host.steps(instance, replace(self.plan, rows=self.plan.rows[:count]))
+        if state == "terminated":
+            instance.must("Terminate")
+        return instance
+
+    def finish(self, instance: host.Instance, state: str, count: int = 5) -> list[host.Row]:
+        """The outputs after each of the remaining steps; one discarded step is forgiven, see `disturbance`."""
+        if state == "terminated":
+            instance.must("Reset")
+        if state in ("instantiated", "terminated"):
+            instance.enter(self.plan.start)
+        if state != "stepping":
+            instance.must("ExitInitializationMode")
+        return host.steps(instance, self.plan, count if state == "stepping" else 0, forgiving=True)
+
+    def difference(self, seen: Sequence[host.Row], expected: Sequence[host.Row]) -> str:
+        """Where two runs first differ (both end with the plan): 'at 0.25 s y is 3.0 instead of 2.0', or nothing."""
+        for k, (row, other) in enumerate(zip(seen, expected, strict=True)):
+            for v, value, right in zip(self.outputs, row, other, strict=True):
+                if repr(value) != repr(right):
+                    time = self.plan.start + (len(self.plan.rows) - len(seen) + k + 1) * self.plan.step
+                    return f"at {time:g} s {v.name} is {value!r} instead of {right!r}"
+        return ""
+
+
+def fmi_type(variable: Variable) -> str:
+    """The type whose get and set functions serve the variable."""
+    return "Integer" if variable.type == "Enumeration" else variable.type
+
+
+def limits(variable: Variable) -> tuple[float, float]:
+    return (
+        -_LARGEST if variable.min is None else variable.min,
+        _LARGEST if variable.max is None else variable.max,
+    )
+
+
+def first(variables: Iterable[Variable], most: int) -> tuple[Variable, ...]:
+    """Some of many, the same ones each time, from everywhere in the list."""
+    everything = tuple(variables)
+    stride = max(1, -(-len(everything) // most))
+    return everything[::stride]
+
+
+def _near(variable: Variable, generator: random.Random) -> float:
+    start = float(variable.start or 0.0)
+    scale = variable.nominal or 0.1 * abs(start) or 0.1
+    low, high = limits(variable)
+    return min(max(start + 0.1 * scale * generator.uniform(-1.0, 1.0), low), high)

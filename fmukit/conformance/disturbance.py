@@ -1,0 +1,63 @@
+"""A call that must be refused: does the FMU say so, and is it unharmed afterwards?
+
+Refused means: the call answers discard or error, or a message of at least a warning is logged (a host made of Python
+cannot return a status from every call). Unharmed means: outputs stay, and the rest of the run has the numbers of a run
+that was never disturbed. The FMU may answer with discarding the next step once; after an error it is reset first, as
+the standard has it. Answering fatal is a failure: the host would have to end the whole process.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from fmukit.conformance import host
+from fmukit.conformance.bench import Bench
+
+Act = Callable[[host.Instance], int]
+
+
+def disturbed(bench: Bench, what: str, state: str, act: Act) -> Iterator[str]:
+    """Lead an instance to `state`, do what must be refused, and finish the run."""
+    bench.reference()  # without one there is nothing to compare with
+    instance = bench.lead(state)
+    before = _values(bench, instance, state)
+    status, said = attempt(instance, act)
+    yield from verdict(what, status, said)
+    if status == host.FATAL or not (status > host.WARNING or said):
+        return
+    if status < host.ERROR and _values(bench, instance, state) != before:
+        yield f"{what} is refused but changes outputs all the same"
+    yield from unharmed(bench, instance, state, status, what)
+
+
+def attempt(instance: host.Instance, act: Act) -> tuple[int, bool]:
+    """The status of `act` and whether a warning or worse was logged."""
+    count = len(instance.messages)
+    status = act(instance)
+    return status, any(level >= host.WARNING and text for level, text in instance.messages[count:])
+
+
+def verdict(what: str, status: int, said: bool) -> Iterator[str]:
+    if status == host.FATAL:
+        yield f"{what} is answered with fatal: the host must end, although nothing irreparable happened"
+    elif status <= host.WARNING and not said:
+        yield f"{what} is accepted: status {host.word(status)} and no message"
+
+
+def unharmed(bench: Bench, instance: host.Instance, state: str, status: int, what: str) -> Iterator[str]:
+    """Finish the run (after a reset if `status` is an error) and compare; frees the instance."""
+    if status >= host.ERROR:
+        instance.must("Reset")
+        state = "instantiated"
+    seen = bench.finish(instance, state)
+    changed = bench.difference(seen, bench.reference()[-len(seen) :])
+    if changed:
+        yield f"after {what} the run is no longer that of an undisturbed instance: {changed}"
+    instance.free()
+
+
+def _values(bench: Bench, instance: host.Instance, state: str) -> str:
+    """The outputs but the Booleans (one of them may signal the fault), where they may be read."""
+    if state not in ("stepping", "terminated"):
+        return ""
+    return repr([x for v, x in zip(bench.outputs, instance.outputs(), strict=True) if v.type != "Boolean"])

@@ -1,0 +1,130 @@
+"""Rules of the life cycle, continued: calls out of order are refused and do no damage."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import partial
+from operator import methodcaller
+
+from fmukit.conformance import host
+from fmukit.conformance.bench import Bench, first, fmi_type, limits
+from fmukit.conformance.disturbance import disturbed
+from fmukit.conformance.lifecycle_rules import L
+from fmukit.conformance.rule import NotApplicable
+from fmukit.conformance.variable import Variable
+
+_ORDER = (
+    ("ExitInitializationMode", "instantiated"),
+    ("Terminate", "instantiated"),
+    ("EnterInitializationMode", "initialisation"),
+    ("Terminate", "initialisation"),
+    ("EnterInitializationMode", "stepping"),
+    ("ExitInitializationMode", "stepping"),
+)
+
+
+@L.add(
+    "doStep is refused outside the stepping state",
+    "4.2.4",
+    "remember the state of the instance; refuse fmi2DoStep with a message before initialisation and after terminate",
+)
+def step_in_its_place(bench: Bench) -> Iterator[str]:
+    plan = bench.plan
+    for state in ("instantiated", "initialisation", "terminated"):
+        yield from disturbed(
+            bench, f"fmi2DoStep in the state '{state}'", state, methodcaller("step", plan.start, plan.step)
+        )
+
+
+@L.add(
+    "changes of state out of order are refused",
+    "4.2.4",
+    "remember the state of the instance; refuse to enter or leave initialisation or to terminate out of order",
+)
+def order(bench: Bench) -> Iterator[str]:
+    for name, state in _ORDER:
+        yield from disturbed(bench, f"fmi2{name} in the state '{state}'", state, methodcaller("call", name))
+
+
+@L.add(
+    "nothing can be set after terminate",
+    "4.2.4",
+    "refuse fmi2SetXXX with a message after fmi2Terminate",
+)
+def set_after_terminate(bench: Bench) -> Iterator[str]:
+    for variable in first([*bench.select("input", "Real"), *bench.select("parameter", "Real")], 1):
+        yield from _set(bench, variable, "terminated", "after terminate")
+
+
+@L.add(
+    "steps that do not go forward are refused",
+    "4.2.2",
+    "refuse fmi2DoStep with a step that is zero, negative, infinite or not a number",
+)
+def impossible_steps(bench: Bench) -> Iterator[str]:
+    time = bench.plan.start + 5 * bench.plan.step
+    for size in (0.0, -bench.plan.step, math.nan, math.inf):
+        what = f"a step of {size:g} s"
+        yield from disturbed(bench, what, "stepping", methodcaller("step", time, size))
+
+
+@L.add(
+    "outputs and fixed parameters cannot be set during the run",
+    "2.2.7",
+    "refuse fmi2SetXXX on outputs, and on fixed parameters once initialised, with a message",
+)
+def set_what_is_fixed(bench: Bench) -> Iterator[str]:
+    fixed = [v for v in bench.select("parameter", "Real") if v.variability == "fixed"]
+    for variable in [*first(bench.select("output", "Real"), 3), *first(fixed, 3)]:
+        yield from _set(bench, variable, "stepping", f"during the run ({variable.causality})")
+
+
+@L.add(
+    "value references that do not exist are refused",
+    "2.1.7",
+    "check value references before using them as an index",
+)
+def unknown_references(bench: Bench) -> Iterator[str]:
+    beyond = max((v.vr for v in bench.package.variables), default=0) + 1000
+    for reference in (beyond, 2**32 - 1):
+        what = f"getting the Real variable of value reference {reference}"
+        yield from disturbed(bench, what, "stepping", partial(_get, reference))
+        what = f"setting the Real variable of value reference {reference}"
+        yield from disturbed(bench, what, "stepping", methodcaller("set", "Real", [reference], [0.0]))
+
+
+@L.add(
+    "a GUID of another model is refused",
+    "2.1.5",
+    "compare the GUID given to fmi2Instantiate with that of the model description; return no instance if they differ",
+)
+def wrong_guid(bench: Bench) -> Iterator[str]:
+    if bench.package.python:
+        raise NotApplicable("the binary of PythonFMU does not look at the GUID, which no Python code can mend")
+    wrong = "{00000000-0000-0000-0000-000000000000}"
+    instance = host.Instance(replace(bench.target, guid=wrong))
+    if instance.component:
+        yield f"fmi2Instantiate returns an instance for the GUID {wrong}"
+        instance.free()
+
+
+def _get(reference: int, instance: host.Instance) -> int:
+    return instance.get("Real", [reference])[0]
+
+
+def _set(bench: Bench, variable: Variable, state: str, when: str) -> Iterator[str]:
+    """Setting another permitted value than the present one."""
+
+    def act(instance: host.Instance) -> int:
+        _, (value,) = instance.get(fmi_type(variable), [variable.vr])
+        return instance.set(fmi_type(variable), [variable.vr], [_another(variable, value)])
+
+    yield from disturbed(bench, f"setting {variable.name} {when}", state, act)
+
+
+def _another(variable: Variable, value: float) -> float:
+    low, high = limits(variable)
+    other = value + 0.5 * (variable.nominal or abs(value) or 1.0)
+    return other if other <= high else 0.5 * (max(low, -1e3) + value)

@@ -1,0 +1,141 @@
+"""Rules of behaviour, continued: values that make no sense are refused; text is only text."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from ctypes import byref
+
+from fmukit.conformance import host
+from fmukit.conformance.behaviour_rules import B
+from fmukit.conformance.bench import Bench, first, fmi_type
+from fmukit.conformance.disturbance import attempt, disturbed, verdict
+from fmukit.conformance.rule import NotApplicable
+from fmukit.conformance.variable import Variable
+
+_MOST = 60
+_FORMAT = "100%s%s%s%s%n%d"
+Case = tuple[Variable, float]
+
+
+@B.add(
+    "NaN and infinity are refused",
+    "good practice",
+    "check that every Real value set is finite; refuse it with a message and keep the old value",
+)
+def not_finite(bench: Bench) -> Iterator[str]:
+    _, inputs, parameters = _real(bench)
+    values = (math.nan, math.inf, -math.inf)
+    yield from _refused(bench, "stepping", [(v, values[k % 3]) for k, v in enumerate(inputs)])
+    yield from _refused(bench, "instantiated", [(v, values[k % 3]) for k, v in enumerate(parameters)])
+
+
+@B.add(
+    "values outside min and max are refused",
+    "2.2.7",
+    "compare every value set with the declared min and max; refuse it with a message and keep the old value",
+)
+def out_of_range(bench: Bench) -> Iterator[str]:
+    everything, inputs, parameters = _real(bench)
+    if all(v.min is None and v.max is None for v in everything):
+        raise NotApplicable("no input or parameter declares min or max")
+    yield from _refused(bench, "stepping", [case for v in inputs for case in _outside(v)])
+    integers = [v for v in bench.select("parameter", "Integer") if v.settable_before_start and v.type == "Integer"]
+    yield from _refused(bench, "instantiated", [case for v in [*parameters, *integers] for case in _outside(v)])
+
+
+def _real(bench: Bench) -> tuple[list[Variable], list[Variable], list[Variable]]:
+    inputs = list(first(bench.select("input", "Real"), _MOST))
+    parameters = list(first([v for v in bench.select("parameter", "Real") if v.settable_before_start], _MOST))
+    if not inputs and not parameters:
+        raise NotApplicable("it has neither Real inputs nor Real parameters")
+    return inputs + parameters, inputs, parameters
+
+
+def _outside(variable: Variable) -> Iterator[Case]:
+    if variable.max is not None and variable.max < (2**31 - 1 if variable.type == "Integer" else 1e300):
+        yield variable, variable.max + (1 if variable.type == "Integer" else 1e-3 * max(1.0, abs(variable.max)))
+    if variable.min is not None and variable.min > (-(2**31) if variable.type == "Integer" else -1e300):
+        yield variable, variable.min - (1 if variable.type == "Integer" else 1e-3 * max(1.0, abs(variable.min)))
+
+
+def _refused(bench: Bench, state: str, cases: Sequence[Case]) -> Iterator[str]:
+    """Each case on one instance; those that are not refused at once get an instance and the next call to object."""
+    late: list[Case] = []
+
+    def all_at_once(instance: host.Instance) -> int:
+        worst = host.OK
+        for variable, value in cases:
+            status, said = attempt(instance, _setting(variable, value))
+            if status <= host.WARNING and not said:
+                late.append((variable, value))
+            worst = max(worst, status)
+            if worst >= host.ERROR:
+                break
+        return worst
+
+    if not cases:
+        return
+    probe = bench.lead(state)
+    status = all_at_once(probe)
+    if status == host.FATAL:
+        yield from verdict(f"setting such a value in the state '{state}'", status, True)
+        return
+    probe.free()
+    if status >= host.ERROR or late:
+        for variable, value in (late or cases)[:6]:
+            yield from disturbed(
+                bench, f"{variable.name} = {value:g}", state, _objecting(bench, variable, value, state)
+            )
+    else:
+        yield from disturbed(bench, "setting such values", state, all_at_once)
+
+
+def _setting(variable: Variable, value: float) -> Callable[[host.Instance], int]:
+    return lambda instance: instance.set(fmi_type(variable), [variable.vr], [value])
+
+
+def _objecting(bench: Bench, variable: Variable, value: float, state: str) -> Callable[[host.Instance], int]:
+    """Set the value and, if that is not refused, make the call that would use it."""
+
+    def act(instance: host.Instance) -> int:
+        status, said = attempt(instance, _setting(variable, value))
+        if status > host.WARNING or said:
+            return status
+        if state == "stepping":
+            return instance.step(bench.plan.start + 5 * bench.plan.step, bench.plan.step)
+        instance.enter(bench.plan.start)
+        return instance.call("ExitInitializationMode")
+
+    return act
+
+
+@B.add(
+    "a % in a text is not taken for a format",
+    "2.1.5",
+    'hand text to the logger as logger(..., "%s", text), or double each %: hosts treat the message as a printf format',
+)
+def percent(bench: Bench) -> Iterator[str]:
+    texts = [v for v in bench.package.variables if v.type == "String" and v.settable_before_start]
+    if not texts:
+        raise NotApplicable("it has no String parameters or inputs")
+    for variable in texts[:3]:
+        instance = host.made(bench.target, "formatted", _formatting)
+        instance.set("String", [variable.vr], [_FORMAT])
+        instance.setup(bench.plan.start)
+        instance.call("EnterInitializationMode")
+        instance.call("ExitInitializationMode")
+        instance.step(bench.plan.start, bench.plan.step)
+        for _, message in instance.messages:
+            if "100" in message and _FORMAT not in message:
+                yield f"with {variable.name} = {_FORMAT!r} the message reads {message!r}"
+        instance.free()
+
+
+def _formatting(callbacks: host.Callbacks) -> None:
+    """Have messages formatted by C's printf before they are logged, as hosts written in C do."""
+    try:
+        from fmpy.logging import addLoggerProxy  # noqa: PLC0415  (a native library not every platform has)
+    except Exception as error:
+        raise NotApplicable(f"FMPy has no formatting logger for this platform ({error})") from None
+    addLoggerProxy(byref(callbacks))
