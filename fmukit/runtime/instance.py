@@ -72,7 +72,7 @@ class Instance(Fmi2Slave):
             self._motion = (
                 Continuous(self._library, self._address, self.description_.max_substep)
                 if self.description_.continuous
-                else Sampled(self._library, self._address)
+                else Sampled(self._library, self._address, 8 * self.description_.size)
             )
         except BaseException as error:
             self._break(error)

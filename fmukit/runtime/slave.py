@@ -62,14 +62,15 @@ class Slave(Values):
         try:
             if self._mode != STEPPING or self._pending or self._broken or not 0.0 < step_size <= _LONGEST_STEP:
                 return self._discard(step_size)
-            if not self._anchored:
-                self._origin = self._time = current_time
-                self._anchored = True
-            if not self._time - self._slack <= current_time <= _FURTHEST_TIME:
+            anchored = self._anchored
+            earliest = self._time - self._slack if anchored else -_FURTHEST_TIME
+            if not earliest <= current_time <= _FURTHEST_TIME:
                 return self._discard(step_size, current_time)
-            code = self._motion.step(current_time, step_size, self._origin)
+            origin = self._origin if anchored else current_time
+            code = self._motion.step(current_time, step_size, origin)
             if code:
                 return self._fail(code, current_time)
+            self._origin, self._anchored = origin, True
             self._time = current_time + step_size
             self._buffer[self._fault] = 0.0
             return True
@@ -83,6 +84,8 @@ class Slave(Values):
             self._refuse(RefusalError(f"doStep is not allowed in the state '{_MODES[self._mode]}'; initialise first"))
         elif not 0.0 < step_size <= _LONGEST_STEP:
             self._refuse(RefusalError(f"a step of {step_size} s is not possible; step forward by 0 < h <= 1e9 s"))
+        elif time is not None and not abs(time) <= _FURTHEST_TIME:
+            self._refuse(RefusalError(f"a step from {time} s is not possible; keep the time within +-1e12 s"))
         elif time is not None:
             text = f"a step from {time} s is not possible at {self._time} s; restore an FMU state to go back in time"
             self._refuse(RefusalError(text))

@@ -39,12 +39,12 @@ class Sampled:
 
     The grid is laid on the host's time with a tolerance of 1e-6 period, so neither jitter nor the length of the
     host's steps changes the samples. Instants in a gap of the host's time (it carried on after a discarded step)
-    are skipped.
+    are skipped. A step whose samples cannot all be computed computes none.
     """
 
-    def __init__(self, library: ctypes.PyDLL, address: int) -> None:
+    def __init__(self, library: ctypes.PyDLL, address: int, size: int) -> None:
         self._sample = library.fmukit_sample
-        self._address = address
+        self._address, self._size = address, size
         self._period = 0.0
         self._seed = 0
         self.index = 0
@@ -58,11 +58,13 @@ class Sampled:
         end = ceil((t + dt - origin) / period - _TOLERANCE)
         if end - index > _MOST:
             return TOO_LONG
+        before = ctypes.string_at(self._address, self._size) if end - index > 1 else b""
         for k in range(index, end):
             code: int = self._sample(self._address, self._seed, k + 1, k * period)
             if code:
+                ctypes.memmove(self._address, before, len(before))
                 return code
-            self.index = k + 1
+        self.index = max(self.index, end)
         return 0
 
 

@@ -72,7 +72,9 @@ class Values(Instance):
         """Store all texts; they are read at initialisation."""
         try:
             slots = self._settable(vrs, "String").slots
-            self._strings.update(zip(slots, map(str, values), strict=True))
+            if not all(isinstance(value, str) for value in values):
+                raise RefusalError("a null pointer is not a text and cannot be set; the old texts are kept")
+            self._strings.update(zip(slots, values, strict=True))
         except BaseException as error:
             self._refuse(error)
 

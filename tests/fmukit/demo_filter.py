@@ -23,7 +23,7 @@ INTERFACE = sampled(
         output("filtered", "m", "filtered value"),
         output("noise", "m", "noise of this sample"),
         output("level", "m", "profile value at the sampling instant"),
-        output("quotient", "1", "1 / (measured - 77): not finite at 77"),
+        output("quotient", "1", "not finite where measured is 77 or 1000 + count"),
         output("count", "1", "number of samples so far"),
     ],
 )
@@ -52,7 +52,7 @@ def kernel() -> Kernel:
     noise = p["sigma"] * (w[0] + w[1] * w[2])
     decay = ca.exp(-p["sample_period"] / p["time_constant"])
     z = decay * x[0] + (1 - decay) * (u["measured"] + noise)
-    quotient = 1 / (u["measured"] - 77)
+    quotient = 1 / ((u["measured"] - 77) * (u["measured"] - 1000 - x[1]))
     flat = ca.reshape(d[: 2 * ROWS], 2, ROWS)
     start = y(filtered=first, noise=first, level=level(table, rows, 0), quotient=ca.SX(0), count=ca.SX(0))
     next_ = y(filtered=z, noise=noise, level=level(flat, d[2 * ROWS], t), quotient=quotient, count=x[1] + 1)

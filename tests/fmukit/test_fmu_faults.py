@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import gc
 import math
 from collections.abc import Callable
@@ -96,6 +97,18 @@ def test_step_back_in_time(make: Make) -> None:
     assert "restore an FMU state" in instance.messages[0]
 
 
+@pytest.mark.parametrize("time", [math.nan, math.inf, -math.inf, 1e13, -1e13])
+@pytest.mark.parametrize("model", ["DemoSpring", "DemoFilter"])
+def test_first_step_from_an_impossible_time_is_forgotten(make: Make, model: str, time: float) -> None:
+    instance = make(model).initialise()
+    instance.time = time
+    assert not instance.step(5e-3)
+    assert "keep the time within" in instance.messages[0]
+    instance.time = 0.0
+    assert instance.step(5e-3)
+    assert instance["fault"] == 0
+
+
 def test_step_outside_its_states(make: Make) -> None:
     instance = make("DemoSpring")
     assert not instance.step(1e-3)
@@ -118,6 +131,29 @@ def test_step_with_a_result_that_is_not_finite(make: Make) -> None:
     instance.set({"measured": 78.0})
     assert instance.step(5e-3)
     assert instance["count"] == 2.0
+
+
+def test_step_of_several_samples_is_done_as_a_whole_or_not_at_all(make: Make) -> None:
+    instance = make("DemoFilter").initialise()
+    assert instance.step(5e-3)
+    before = instance.outputs()
+    instance.set({"measured": 1003.0})
+    assert not instance.step(25e-3)
+    assert "quotient is not a finite number" in instance.messages[0]
+    assert instance.outputs() == {**before, "fault": 1}
+    instance.set({"measured": 1.0})
+    assert instance.step(25e-3)
+    assert instance["count"] == before["count"] + 5
+
+
+def test_null_pointer_is_not_a_text(make: Make) -> None:
+    instance = make("DemoFilter").initialise()
+    instance.fmu.reset()
+    reference = instance.variables["profile_file"].valueReference
+    count = len(instance.messages)
+    instance.fmu.fmi2SetString(instance.fmu.component, (ctypes.c_uint * 1)(reference), 1, (ctypes.c_char_p * 1)(None))
+    assert "null pointer" in instance.messages[count]
+    assert instance["profile_file"] in ("", b"")
 
 
 BAD_TABLES = {
