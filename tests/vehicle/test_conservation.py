@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from vehicle_oracle import car_model, pin_equations
 
 from fmus.vehicle16dof.interface import INTERFACE
 from fmus.vehicle16dof.model import derivative_function
-from fmus.vehicle16dof.states import CORNERS, DERIVED
+from fmus.vehicle16dof.states import CORNERS
 from fmus.wheels import WHEELS
 
 pin = pytest.importorskip("pinocchio")
@@ -32,9 +33,7 @@ def named(car: Car) -> dict[str, float]:
 
 
 def model_of(car: Car) -> pin.Model:
-    ends = np.cumsum(list(DERIVED.sizes.values()))
-    parts = zip(DERIVED.sizes, np.split(car.d, ends[:-1]), strict=True)
-    return car_model(named(car), dict(parts))
+    return car_model(named(car))
 
 
 def joint_order(per_wheel: np.ndarray, front: np.ndarray, spin: np.ndarray) -> np.ndarray:
@@ -98,18 +97,18 @@ def test_energy_and_momentum_in_free_flight(car: MakeCar, gravity: float) -> Non
 
 
 def test_virtual_power_of_every_force(car: MakeCar) -> None:
-    """M u' + h of Pinocchio equals the generalised forces of contact forces, springs and actuators, joint by joint."""
+    """M u' + h of Pinocchio equals the generalised forces of tyres, springs and actuators, joint by joint."""
     rng = np.random.default_rng(6)
-    quiet = {"tyre.rolling.constant": 0.0, "tyre.rolling.linear": 0.0, "tyre.rolling.quartic": 0.0, "tyre.trail": 0.0}
     limits = {"gravity": 9.81, "tyre.low_speed.speed": 0.1}
+    load = {"cog_offset.x": 0.1, "payload.mass": 150.0, "payload.y": 0.4}
     for _ in range(20):
-        made = car({**quiet, **limits, "initial.speed": 15.0, "initial.yaw": rng.uniform(-3, 3), "cog_offset.x": 0.1})
+        made = car({**limits, **load, "initial.speed": 15.0, "initial.yaw": rng.uniform(-3, 3)})
         disturb(made, rng)
         y = made.kernel.output(made.p, made.d, made.u, made.x).full().ravel()
         made.y = y
         model, (q, u) = model_of(made), coordinates(made.x)
         M, h = pin_equations(model, q, u)
-        left, right = M @ accelerations(made) + h, generalised_forces(made, model, q)
+        left, right = M @ accelerations(made) + h, generalised_forces(made, model, q, u)
         assert left == pytest.approx(right, rel=1e-9, abs=1e-9 * np.abs(h).max())
         assert u @ left == pytest.approx(u @ right, rel=1e-9)
 
@@ -141,9 +140,10 @@ def accelerations(car: Car) -> np.ndarray:
     )
 
 
-def generalised_forces(car: Car, model: pin.Model, q: np.ndarray) -> np.ndarray:
+def generalised_forces(car: Car, model: pin.Model, q: np.ndarray, u: np.ndarray) -> np.ndarray:
     """Jacobians of the contact points times the forces seen at the outputs, plus joint forces and body loads."""
     p, data = named(car), model.createData()
+    pin.forwardKinematics(model, data, q, u)
     inputs = dict(zip(INTERFACE.names("input"), car.u, strict=True))
     pin.computeJointJacobians(model, data, q)
     v = car.x[SLICES["velocity"]]
@@ -155,8 +155,12 @@ def generalised_forces(car: Car, model: pin.Model, q: np.ndarray) -> np.ndarray:
     for c in CORNERS:
         joint = model.getJointId(f"wheel.{c.name}")
         place = data.oMi[joint]
-        carrier = data.oMi[model.getJointId(f"steer.{c.name}" if c.steered else f"travel.{c.name}")].rotation
-        total += contact_forces(car, c.name, joint, place.translation, carrier[:, 1], model, data)
+        carrier = model.getJointId(f"steer.{c.name}" if c.steered else f"travel.{c.name}")
+        moving = pin.getVelocity(model, data, carrier, pin.LOCAL_WORLD_ALIGNED)
+        touch = road_contact(place.translation, data.oMi[carrier].rotation[:, 1])
+        J = pin.getJointJacobian(model, data, joint, pin.LOCAL_WORLD_ALIGNED)
+        F, N = tyre_wrench(car, c.name, touch, moving.linear + np.cross(moving.angular, touch.arm))
+        total += J[:3].T @ F + J[3:].T @ (np.cross(touch.arm, F) + N)
         total[model.joints[joint].idx_v] += inputs[f"wheel_torque.{c.name}"] - inputs[f"brake_torque.{c.name}"]
         key, t = f"suspension.{c.axle}", travel[c.index]
         spring = p[f"{key}.preload"] + p[f"{key}.stiffness"] * t + p[f"{key}.damping"] * rate[c.index]
@@ -170,15 +174,40 @@ def generalised_forces(car: Car, model: pin.Model, q: np.ndarray) -> np.ndarray:
     return total
 
 
-def contact_forces(car, wheel, joint, centre, axle, model, data) -> np.ndarray:  # type: ignore[no-untyped-def] # noqa: PLR0917
-    """J' F of one wheel: the lowest point of its disc on the road z = 0, the force in its track frame."""
-    up = np.array([0.0, 0.0, 1.0])
-    x = np.cross(axle, up)
+@dataclass(frozen=True)
+class Touch:
+    """Where a wheel touches the road z = 0: directions of the track and of the axle, arm from the wheel centre."""
+
+    x: np.ndarray
+    y: np.ndarray
+    axle: np.ndarray
+    arm: np.ndarray
+
+
+UP = np.array([0.0, 0.0, 1.0])
+
+
+def road_contact(centre: np.ndarray, axle: np.ndarray) -> Touch:
+    """The lowest point of the disc, prolonged to the road."""
+    x = np.cross(axle, UP)
     x /= np.linalg.norm(x)
     down = np.cross(axle, x)
     down *= -np.sign(down[2])
-    point = centre + down * (centre[2] / -down[2])
-    y = np.cross(up, x)
-    F = car[f"tyre_force_x.{wheel}"] * x + car[f"tyre_force_y.{wheel}"] * y + car[f"tyre_force_z.{wheel}"] * up
-    J = pin.getJointJacobian(model, data, joint, pin.LOCAL_WORLD_ALIGNED)
-    return J[:3].T @ F + J[3:].T @ np.cross(point - centre, F)
+    return Touch(x, np.cross(UP, x), axle, down * (centre[2] / -down[2]))
+
+
+def tyre_wrench(car: Car, wheel: str, touch: Touch, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Force at the contact point and free moment on the wheel, in the world, from the car's outputs.
+
+    Aligning moment -t F_y about the normal, t falling with load and slip; rolling resistance f_r F_z R_e against the
+    spin. `velocity` is that of the knuckle at the contact point.
+    """
+    p = named(car)
+    F_x, F_y, F_z = (car[f"tyre_force_{a}.{wheel}"] for a in "xyz")
+    trail = p["tyre.trail"] * F_z / p["tyre.nominal_load"]
+    trail *= max(0.0, 1.0 - abs(np.tan(car[f"slip_angle.{wheel}"])) / p["tyre.trail_vanishing_slip"])
+    v = abs(velocity @ touch.x)
+    f_r = p["tyre.rolling.constant"] + p["tyre.rolling.linear"] * v + p["tyre.rolling.quartic"] * v**4
+    R_e = p["wheel.radius"] - (p["wheel.radius"] - np.linalg.norm(touch.arm)) / 3.0
+    rolling = f_r * F_z * R_e * np.tanh(car[f"wheel_speed.{wheel}"] / p["tyre.rolling.fade"])
+    return F_x * touch.x + F_y * touch.y + F_z * UP, -trail * F_y * UP - rolling * touch.axle
