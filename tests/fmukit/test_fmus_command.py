@@ -35,7 +35,7 @@ def test_build_makes_the_named_fmu(tmp_path: Path) -> None:
 
 def test_platforms_may_follow_one_another(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     seen = []
-    monkeypatch.setattr(cli, "_build", lambda component, directory, platforms: seen.append((component, platforms)))
+    monkeypatch.setattr(cli, "_build", lambda component, directory, platforms, *_: seen.append((component, platforms)))
     runner = CliRunner()
     for arguments in (
         ["--platform", "linux64", "win64", "Imu"],
