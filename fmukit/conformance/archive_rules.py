@@ -169,6 +169,19 @@ def _places(package: Package) -> Iterator[str]:
 
 
 @_rule(
+    "Documentation opens at index.html",
+    "2.3",
+    "Add documentation/index.html, the page a tool opens when its user asks for help.",
+)
+def _documentation(package: Package) -> Iterator[str]:
+    inside = [name for name in package.names if name.startswith("documentation/") and name != "documentation/"]
+    if not inside:
+        raise NotApplicable("there is no documentation")
+    if "documentation/index.html" not in inside:
+        yield f"documentation has {', '.join(sorted(inside)[:3])}, but no index.html"
+
+
+@_rule(
     "Source files listed are there",
     "2.2.3",
     "Add the files to sources/, or take them off the list SourceFiles.",

@@ -1,0 +1,45 @@
+"""Groups A and X: every rule holds for our FMUs, and on each broken FMU exactly the rule that is meant fails."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from broken import BROKEN, Broken
+
+from fmukit.build.cache import cached
+from fmukit.component import Component
+from fmukit.conformance.check import READING, check
+from fmukit.conformance.pytest_helper import assert_conformant
+from fmus import CATALOGUE
+
+
+@pytest.mark.parametrize("component", CATALOGUE, ids=lambda component: component.interface.name)
+def test_every_rule_holds_for_the_catalogue(component: Component) -> None:
+    assert_conformant(cached(component), "AX")
+
+
+def test_every_rule_applies_to_some_fmu_of_the_catalogue() -> None:
+    applied = {f.rule.number for c in CATALOGUE[:2] for f in check(cached(c), "AX") if f.status == "pass"}
+    assert {rule.number for rule in READING} - applied == {"X39"}  # none of our FMUs exposes derivatives
+
+
+@pytest.mark.parametrize("broken", BROKEN, ids=[f"{broken.rule}-{i}" for i, broken in enumerate(BROKEN)])
+def test_exactly_the_intended_rule_fails(broken: Broken, good: Path, tmp_path: Path) -> None:
+    path = broken.make(good, tmp_path / "broken.fmu")
+    if broken.rule == "A1":
+        path.write_bytes(path.read_bytes().replace(b"FLIPPED", b"FLOPPED", 1))
+    failed = {finding.rule.number: finding for finding in check(path, "AX") if finding.status == "fail"}
+    assert failed.keys() == {broken.rule}, failed
+    assert broken.says in " ".join(failed[broken.rule].seen)
+
+
+def test_every_rule_has_a_broken_fmu() -> None:
+    assert {broken.rule for broken in BROKEN} == {rule.number for rule in READING}
+
+
+def test_the_helper_says_what_is_wrong_and_what_to_do(good: Path, tmp_path: Path) -> None:
+    (lacking,) = (broken for broken in BROKEN if broken.rule == "X36")
+    path = lacking.make(good, tmp_path / "broken.fmu")
+    with pytest.raises(AssertionError, match=r"X36 Nominal .*\(section 2.2.7\)\n  - variable .* -5.0\n  > Write"):
+        assert_conformant(path, "AX")
