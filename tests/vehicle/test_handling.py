@@ -43,23 +43,62 @@ def servo(car: Car, delta: float) -> dict[str, float]:
     }
 
 
-def test_understeer_and_roll_gradient(car: MakeCar) -> None:
-    """K_us = (m/L) ((l_R + t)/C_F - (l_F - t)/C_R) and phi/a_y = m h f/(1 - m g h f), both within 10 %.
+def resistance(speed: float) -> tuple[float, float]:
+    """Rolling resistance coefficient and air drag [N] of the nominal car."""
+    D = DESIGN
+    f_r = D.rolling_constant + D.rolling_linear * speed + D.rolling_quartic * speed**4
+    return f_r, 0.5 * D.air_density * D.drag_area * speed**2
 
-    Without drag and rolling resistance, since driving against them unloads the front axle, which the formula leaves
-    out (0.69 instead of 0.62 degrees per g at 20 m/s).
+
+def understeer(f_r: float, drag: float) -> float:
+    """Understeer gradient [rad/(m/s2)] F_F'/C_F - F_R'/C_R, F' the axle forces per lateral acceleration.
+
+    Without resistance (m/L) ((l_R + t)/C_F - (l_F - t)/C_R), t the pneumatic trail. Resistance changes it twice:
+    - drag at height h and the rolling moments f_r F_z R_e lift the front axle, by (drag h + f_r m g R_e)/L, which
+      moves the cornering stiffnesses;
+    - the outer wheels, loaded more, roll harder: sum(y_i f_r F_z,i R_e/r) = f_r m h' a_y R_e/r is a yaw moment against
+      the turn (h' = h with the overturning of the rolled body), which the front axle has to balance.
     """
-    D, speed = DESIGN, 20.0
-    y = steady_turn(car({**NO_RESISTANCE, "initial.speed": speed}), speed, 1.0)
-    a_y, delta = y["acceleration.y"], 0.5 * (y["steer_angle.fl"] + y["steer_angle.fr"])
+    D, weight = DESIGN, DESIGN.mass * DESIGN.gravity
     tyre = {v.name.removeprefix("tyre."): v.start for v in INTERFACE.select("parameter")}
-    C_F, C_R = (2 * F * magic.lateral_stiffness(tyre, F) for F in static_wheel_loads())
-    t = D.pneumatic_trail
-    K_us = D.mass / D.wheelbase * ((D.l_r + t) / C_F - (D.l_f - t) / C_R)
-    assert (delta - D.wheelbase * y["angular_rate.z"] / y["velocity.x"]) / a_y == pytest.approx(K_us, rel=0.1)
+    lift = (drag * D.cog_height + f_r * weight * D.rolling_radius) / D.wheelbase / 2
+    loads = static_wheel_loads()[0] - lift, static_wheel_loads()[1] + lift
+    C_F, C_R = (2 * F * magic.lateral_stiffness(tyre, F) for F in loads)
+    k = sum(D.roll_stiffness)
+    resisting = f_r * D.mass * D.cog_height * k / (k - weight * D.cog_height) * D.rolling_radius / D.loaded_radius
+    F_F, F_R = D.mass * (D.l_r + D.pneumatic_trail) + resisting, D.mass * (D.l_f - D.pneumatic_trail) - resisting
+    return (F_F / C_F - F_R / C_R) / D.wheelbase
+
+
+def measured_understeer(y: dict[str, float]) -> float:
+    delta = 0.5 * (y["steer_angle.fl"] + y["steer_angle.fr"])
+    return (delta - DESIGN.wheelbase * y["angular_rate.z"] / y["velocity.x"]) / y["acceleration.y"]
+
+
+@pytest.mark.parametrize("speed", [10.0, 20.0, 30.0])
+def test_understeer_of_the_car_as_it_is(car: MakeCar, speed: float) -> None:
+    """Within 2 % of the formula with resistance: 0.67, 0.70 and 0.74 degrees per g.
+
+    The plain formula gives 0.605: a small difference of two large terms, so that half a percent of either axle's
+    force or stiffness, which resistance makes, is several percent of it.
+    """
+    y = steady_turn(car({"initial.speed": speed}), speed, 1.0)
+    assert measured_understeer(y) == pytest.approx(understeer(*resistance(speed)), rel=0.02)
+
+
+def test_understeer_without_resistance(car: MakeCar) -> None:
+    """The plain formula, 0.605 degrees per g, within 2 %."""
+    y = steady_turn(car({**NO_RESISTANCE, "initial.speed": 20.0}), 20.0, 1.0)
+    assert measured_understeer(y) == pytest.approx(understeer(0.0, 0.0), rel=0.02)
+
+
+def test_roll_gradient(car: MakeCar) -> None:
+    """phi/a_y = m h f/(1 - m g h f), f = 1/K_suspension + 1/K_tyre."""
+    D = DESIGN
+    y = steady_turn(car({"initial.speed": 20.0}), 20.0, 1.0)
     f = 1.0 / sum(D.suspension_roll_stiffness) + 1.0 / (D.tyre_stiffness * D.track**2)
     gradient = D.mass * D.cog_height * f / (1.0 - D.mass * D.gravity * D.cog_height * f)
-    assert y["roll"] / a_y == pytest.approx(gradient, rel=0.1)
+    assert y["roll"] / y["acceleration.y"] == pytest.approx(gradient, rel=0.05)
 
 
 def static_wheel_loads() -> tuple[float, float]:
