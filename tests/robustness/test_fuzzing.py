@@ -70,7 +70,8 @@ def test_twenty_thousand_sequences_over_the_catalogue(unzipped: dict[str, Path],
 def test_a_crash_is_reported_with_its_calls(tmp_path: Path, unzipped: dict[str, Path]) -> None:
     """The fuzzer itself: an FMU whose step kills the process is found out, with the call that did it."""
     folder = tmp_path / "Imu"
-    _copy_with(folder, unzipped["Imu"], "slave.py", "        try:\n            if self._mode != STEPPING", "__import__('os').abort()")
+    step = "        try:\n            if self._mode != STEPPING"
+    _copy_with(folder, unzipped["Imu"], "slave.py", step, "__import__('os').abort()")
     with pytest.raises(pytest.fail.Exception, match=r"died of signal 6 in\n(.*\n)*.*doStep"):
         fuzz(folder, 50, 1)
 

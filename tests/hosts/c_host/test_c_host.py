@@ -1,0 +1,85 @@
+"""Every FMU in a host written in C, which knows nothing of Python: run, faulted and freed many times over."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import sysconfig
+import zipfile
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from fmukit.build.cache import cached
+from fmukit.component import Component
+from fmus import CATALOGUE
+
+CYCLES = 100
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="the host is written for Linux")
+
+
+@pytest.fixture(scope="module")
+def host(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    made = tmp_path_factory.mktemp("c_host") / "host"
+    source = Path(__file__).with_name("host.c")
+    subprocess.run(["cc", "-std=c11", "-O1", "-Wall", "-Werror", "-o", made, source, "-ldl", "-lm"], check=True)
+    return made
+
+
+@pytest.fixture(scope="module")
+def arguments(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[str]]:
+    """What the host must know of each FMU."""
+    folder = tmp_path_factory.mktemp("unzipped with spaces")
+    return {component.interface.name: _arguments(component, folder) for component in CATALOGUE}
+
+
+def _arguments(component: Component, parent: Path) -> list[str]:
+    name = component.interface.name
+    folder = parent / name
+    with zipfile.ZipFile(cached(component)) as archive:
+        archive.extractall(folder)
+    root = ElementTree.parse(folder / "modelDescription.xml").getroot()
+    variables = list(root.iter("ScalarVariable"))
+    reals = [v for v in variables if v.find("Real") is not None]
+    (fault,) = (v.attrib["valueReference"] for v in variables if v.get("name") == "fault")
+    first = {
+        cause: next((v.attrib["valueReference"] for v in reals if v.get("causality") == cause), "-1")
+        for cause in ("input", "output")
+    }
+    binary = folder / "binaries" / "linux64" / f"{name}.so"
+    resources = (folder / "resources").as_uri()
+    step = str(component.interface.step)
+    return [str(binary), root.attrib["guid"], resources, step, first["input"], fault, first["output"]]
+
+
+def environment() -> dict[str, str]:
+    """What a host that is not Python needs: the interpreter's library, and where its packages are."""
+    library = Path(str(sysconfig.get_config_var("LIBDIR"))) / str(sysconfig.get_config_var("INSTSONAME"))
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"
+    kept = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
+    return {**kept, "LD_PRELOAD": str(library), "PATH": path}
+
+
+def run(host: Path, cycles: int, *fmus: list[str]) -> None:
+    line = [str(host), str(cycles), *(argument for fmu in fmus for argument in fmu)]
+    done = subprocess.run(line, env=environment(), capture_output=True, text=True, timeout=120, check=False)
+    assert done.returncode == 0, f"{done.returncode}: {done.stdout[-500:]} {done.stderr[-2000:]}"
+    assert done.stdout.splitlines()[-1] == f"done: {len(fmus)} FMUs, {cycles} cycles"
+
+
+@pytest.mark.parametrize("name", [component.interface.name for component in CATALOGUE])
+def test_run_fault_free_a_hundred_times(host: Path, arguments: dict[str, list[str]], name: str) -> None:
+    run(host, CYCLES, arguments[name])
+
+
+def test_all_of_them_in_one_process(host: Path, arguments: dict[str, list[str]]) -> None:
+    run(host, 20, *arguments.values())
+
+
+def test_what_goes_wrong_is_told(host: Path, arguments: dict[str, list[str]]) -> None:
+    """The host itself: with the reference of something else for the fault, it stops at the first check of the fault."""
+    *others, _, output = arguments["Imu"]
+    with pytest.raises(AssertionError, match="cycle 0: no fault after a refused call"):
+        run(host, 1, [*others, output, output])
