@@ -27,7 +27,7 @@ def check_command(
     found = []
     for file in files:
         with Console(stderr=True).status(f"checking {file}"):
-            found.append((file, check(file, groups)))
+            found.append((file, check(file, groups, [other for other in files if other != file])))
         if not as_json:
             Console().print(table(*found[-1]))
     if as_json:

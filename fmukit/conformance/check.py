@@ -1,10 +1,8 @@
-"""Check one FMU: apply the rules of the groups asked for, reading first, running only what is safe to run."""
+"""Check one FMU: read it, then run what can be run."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from importlib import import_module
-from importlib.util import find_spec
 from pathlib import Path
 
 from fmukit.conformance.archive_rules import ARCHIVE
@@ -16,20 +14,19 @@ ALL = "".join(GROUPS)
 READING = (*ARCHIVE.rules, *XML.rules)
 
 
-def check(path: Path | str, groups: str = ALL) -> list[Finding]:
-    """One finding per rule of `groups` (letters of GROUPS); raises FileNotFoundError if there is no such file."""
+def check(path: Path | str, groups: str = ALL, others: Sequence[Path | str] = ()) -> list[Finding]:
+    """One finding per rule of `groups` (letters of GROUPS); raises FileNotFoundError if there is no such file.
+
+    The groups A and X only read. L, B and I run the FMU in processes of their own, with the rights of the caller, and
+    `others` beside it.
+    """
     package = Package.read(path)
     findings = [look(rule, package) for rule in READING if rule.number[0] in groups]
     if set(groups) <= {"A", "X"}:
         return findings
-    return findings + [finding for finding in _run(package) if finding.rule.number[0] in groups]
+    from fmukit.conformance.running import run_groups  # noqa: PLC0415  (lazy: reading needs no FMPy)
 
-
-def _run(package: Package) -> list[Finding]:
-    if find_spec("fmukit.conformance.running") is None:
-        return []
-    running = import_module("fmukit.conformance.running")  # lazy: FMPy, processes
-    return list(running.run_groups(package))
+    return findings + [finding for finding in run_groups(package, others) if finding.rule.number[0] in groups]
 
 
 def holds(findings: Sequence[Finding]) -> bool:
