@@ -113,6 +113,30 @@ def run(
     _leave(summary)
 
 
+@app.command()
+def export(
+    name: Annotated[str, typer.Argument(help="Name of a scenario, see `cosim list`.")],
+    *,
+    file: Annotated[Path | None, typer.Option("-o", "--output", help="The file; NAME.ssp if left out.")] = None,
+    assignments: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="instance.variable=value", help="Set a parameter, or scenario.SETTING."),
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Seed of all noise.")] = 0,
+    stop_time: Annotated[float | None, typer.Option("--stop-time", metavar="S", help="End of the run [s].")] = None,
+) -> None:
+    """Write a scenario as SSP 1.0, with its FMUs and parameter values, for other tools."""
+    from cosim import scenarios  # noqa: PLC0415
+    from cosim.run import Request  # noqa: PLC0415
+    from cosim.ssp import export as export_ssp  # noqa: PLC0415
+    from cosim.system import parse_assignments  # noqa: PLC0415
+
+    target = file if file is not None else Path(f"{name}.ssp")
+    scenario = scenarios.load(name)
+    request = Request(scenario, target.parent, parse_assignments(assignments or []), seed, stop_time)
+    print(export_ssp(request, target))
+
+
 def _draw(scenario: Scenario, results: Results, file: Path) -> None:
     if scenario.draw is None or len(results.time) < 2:
         return

@@ -48,6 +48,10 @@ class Loader:
         """One slave per node, instantiated but not initialised."""
         return {name: self._instantiate(name, *self._model(system.instances[name].model)) for name in nodes}
 
+    def file(self, model: str) -> Path:
+        """The .fmu file of a model: the path itself, or where `find` has the catalogue's."""
+        return Path(model) if model.endswith(".fmu") else self._find(model)
+
     def _instantiate(self, name: str, face: Face, folder: Path) -> Slave:
         from cosim.fmu import FmuSlave  # noqa: PLC0415  (lazy: FMPy)
 
@@ -57,7 +61,7 @@ class Loader:
 
     def _model(self, model: str) -> tuple[Face, Path]:
         if model not in self._models:
-            path = Path(model) if model.endswith(".fmu") else self._find(model)
+            path = self.file(model)
             folder = self._root / str(len(self._models))
             _unpack(path, folder)
             face = read_face(folder, path)

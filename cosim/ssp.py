@@ -1,0 +1,179 @@
+"""A system as SSP 1.0: SystemStructure.ssd with the FMUs and one set of parameter values per instance in resources/.
+
+Other tools read everything they need from it. What SSP 1.0 has no place for, the communication period of an instance,
+is an annotation of type "cosim". Files named by String parameters are not packed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+from cosim.assembly import Connection, Node, assemble
+from cosim.clock import to_seconds
+from cosim.errors import CosimError, because
+from cosim.face import Port, Value
+from cosim.loader import Loader
+from cosim.run import Request
+from cosim.scenario import configured
+from cosim.units import BASE, Unit
+
+SSD = "http://ssp-standard.org/SSP1/SystemStructureDescription"
+SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
+SSV = "http://ssp-standard.org/SSP1/SystemStructureParameterValues"
+COSIM = "urn:cosim"
+PARAMETERS = "parameters"  # one name for all sets: some tools choose by name which to apply
+_PREFIXES = {"ssd": SSD, "ssc": SSC, "ssv": SSV, "cosim": COSIM}
+
+
+@dataclass(frozen=True, slots=True)
+class Model:
+    """A model's file and the name it has in resources/."""
+
+    file: Path
+    name: str
+
+
+def export(request: Request, file: Path) -> Path:
+    """Write the scenario as `file` (.ssp) and return it; raises CosimError. Equal requests give equal bytes."""
+    from fmukit.build.archive import pack, write  # noqa: PLC0415  (lazy: imports PythonFMU's builder)
+
+    system = configured(request.scenario, request.assignments)
+    with Loader(request.scenario.find) as loader:
+        nodes = assemble(system, loader.faces(system), request.seed)
+        models = _models({name: loader.file(instance.model) for name, instance in system.instances.items()})
+    stop = request.scenario.stop_time if request.stop_time is None else request.stop_time
+    members = {f"resources/{model.name}": model.file.read_bytes() for model in models.values()}
+    members["SystemStructure.ssd"] = structure(request.scenario.name, nodes, models, stop)
+    members |= {_values_file(node): values(node) for node in nodes.values() if node.values}
+    try:
+        return write(file, pack(members))
+    except OSError as error:
+        raise CosimError(f"cannot write {file}: {because(error)}") from None
+
+
+def structure(name: str, nodes: Mapping[str, Node], models: Mapping[str, Model], stop: float) -> bytes:
+    """SystemStructure.ssd of the nodes; `models` by instance name, `stop` [s]."""
+    root = ET.Element(f"{{{SSD}}}SystemStructureDescription", version="1.0", name=name, generationTool="cosim")
+    system = ET.SubElement(root, f"{{{SSD}}}System", name=name)
+    elements = ET.SubElement(system, f"{{{SSD}}}Elements")
+    for node in nodes.values():
+        _component(elements, node, models[node.name])
+    _connections(system, nodes.values())
+    _units(root, nodes.values())
+    ET.SubElement(root, f"{{{SSD}}}DefaultExperiment", startTime="0.0", stopTime=repr(float(stop)))
+    return _text(root)
+
+
+def values(node: Node) -> bytes:
+    """The parameter set (SSV) of one node, in the units of its FMU."""
+    root = ET.Element(f"{{{SSV}}}ParameterSet", version="1.0", name=PARAMETERS)
+    parameters = ET.SubElement(root, f"{{{SSV}}}Parameters")
+    for name, value in node.values.items():
+        parameter = ET.SubElement(parameters, f"{{{SSV}}}Parameter", name=name)
+        ET.SubElement(parameter, f"{{{SSV}}}{node.face.ports[name].type}", value=_literal(value))
+    return _text(root)
+
+
+def _models(files: Mapping[str, Path]) -> dict[str, Model]:
+    """A name of its own in resources/ for every file: the file's, numbered where two files share it."""
+    names: dict[Path, str] = {}
+    for file in files.values():
+        if file not in names:
+            again = sum(other.stem == file.stem for other in names)
+            names[file] = f"{file.stem}-{again + 1}.fmu" if again else f"{file.stem}.fmu"
+    return {instance: Model(file, names[file]) for instance, file in files.items()}
+
+
+def _component(elements: ET.Element, node: Node, model: Model) -> None:
+    component = ET.SubElement(
+        elements,
+        f"{{{SSD}}}Component",
+        name=node.name,
+        type="application/x-fmu-sharedlibrary",
+        source=f"resources/{model.name}",
+        implementation="CoSimulation",
+    )
+    connectors = ET.SubElement(component, f"{{{SSD}}}Connectors")
+    for port in node.face.ports.values():
+        if port.causality in ("input", "output"):
+            _connector(connectors, port)
+    if node.values:
+        bindings = ET.SubElement(component, f"{{{SSD}}}ParameterBindings")
+        ET.SubElement(
+            bindings, f"{{{SSD}}}ParameterBinding", type="application/x-ssp-parameter-set", source=_values_file(node)
+        )
+    annotations = ET.SubElement(component, f"{{{SSD}}}Annotations")
+    annotation = ET.SubElement(annotations, f"{{{SSC}}}Annotation", type="cosim")
+    ET.SubElement(annotation, f"{{{COSIM}}}Communication", period=repr(to_seconds(node.period)))
+
+
+def _connector(connectors: ET.Element, port: Port) -> None:
+    connector = ET.SubElement(connectors, f"{{{SSD}}}Connector", name=port.name, kind=port.causality)
+    kind = ET.SubElement(connector, f"{{{SSC}}}{port.type}")
+    if port.unit is not None:
+        kind.set("unit", port.unit)
+
+
+def _connections(system: ET.Element, nodes: Iterable[Node]) -> None:
+    found = [connection for node in nodes for connection in node.incoming.values()]
+    parent = ET.SubElement(system, f"{{{SSD}}}Connections") if found else system
+    for connection in found:
+        _connection(parent, connection)
+
+
+def _connection(parent: ET.Element, connection: Connection) -> None:
+    """A conversion of units is written out, as not every tool converts by itself."""
+    ends = {
+        "startElement": connection.source,
+        "startConnector": connection.output,
+        "endElement": connection.target,
+        "endConnector": connection.input,
+    }
+    element = ET.SubElement(parent, f"{{{SSD}}}Connection", ends)
+    if not connection.conversion.trivial:
+        element.set("suppressUnitConversion", "true")
+        factor, offset = connection.conversion.factor, connection.conversion.offset
+        ET.SubElement(element, f"{{{SSC}}}LinearTransformation", factor=repr(factor), offset=repr(offset))
+
+
+def _units(root: ET.Element, nodes: Iterable[Node]) -> None:
+    """The units of all connectors; of two definitions under one name the first is taken."""
+    ports = ((node.face, port) for node in nodes for port in node.face.ports.values())
+    used: dict[str, Unit] = {}
+    for face, port in ports:
+        if port.unit is not None and port.causality in ("input", "output"):
+            used.setdefault(port.unit, face.units.get(port.unit, Unit(port.unit)))
+    parent = ET.SubElement(root, f"{{{SSD}}}Units") if used else root
+    for name in sorted(used):
+        unit = ET.SubElement(parent, f"{{{SSC}}}Unit", name=name)
+        base = ET.SubElement(unit, f"{{{SSC}}}BaseUnit")
+        for symbol, exponent in zip(BASE, used[name].exponents or (), strict=False):
+            if exponent:
+                base.set(symbol, str(exponent))
+        if used[name].factor != 1.0:
+            base.set("factor", repr(used[name].factor))
+        if used[name].offset != 0.0:
+            base.set("offset", repr(used[name].offset))
+
+
+def _values_file(node: Node) -> str:
+    return f"resources/{node.name}.ssv"
+
+
+def _literal(value: Value) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, float) and math.isfinite(value):
+        return repr(value)
+    return str(value)
+
+
+def _text(root: ET.Element) -> bytes:
+    for prefix, uri in _PREFIXES.items():
+        ET.register_namespace(prefix, uri)
+    ET.indent(root)
+    return bytes(ET.tostring(root, "UTF-8", xml_declaration=True)) + b"\n"

@@ -1,0 +1,138 @@
+"""Exported systems: valid against the SSP 1.0 schema, complete, and the same bytes for the same request."""
+
+import zipfile
+from pathlib import Path
+
+import fmpy.ssp
+import pytest
+from cosim_mocks import face
+from lxml import etree
+
+from cosim.assembly import assemble
+from cosim.errors import CosimError
+from cosim.face import Port
+from cosim.run import Request
+from cosim.scenario import Scenario
+from cosim.ssp import SSC, SSD, SSV, Model, export, structure, values
+from cosim.system import System
+
+NAMES = {"ssd": SSD, "ssc": SSC, "ssv": SSV}
+
+
+def valid(document: bytes, schema: str) -> etree._Element:
+    root = etree.fromstring(document)
+    etree.XMLSchema(etree.parse(Path(fmpy.ssp.__file__).parent / "schema" / schema)).assertValid(root)
+    return root
+
+
+@pytest.fixture
+def nodes():
+    """A thermometer in deg C and mm feeding a heater in K and m, with parameters of every type."""
+    parameters = (
+        Port("gain", 0, "parameter"),
+        Port("seed", 1, "parameter", "Integer"),
+        Port("on", 2, "parameter", "Boolean"),
+        Port("file", 3, "parameter", "String"),
+    )
+    system = System()
+    system.add("car1.sensor", "Mock", {"gain": "1e-17", "seed": 7, "on": "true", "file": 'a<b>&"c"'})
+    system.add("heater", "Mock", period=0.02)
+    system.connect("car1.sensor", "heater")
+    faces = {"car1.sensor": face({}, {"t": "degC", "d": "mm"}, extra=parameters), "heater": face({"t": "K", "d": "m"})}
+    return assemble(system, faces, 0)
+
+
+@pytest.fixture
+def root(nodes):
+    models = {name: Model(Path("Mock.fmu"), "Mock.fmu") for name in nodes}
+    return valid(structure("mocked & checked", nodes, models, 3.0), "SystemStructureDescription.xsd")
+
+
+def test_conversions_are_written_out(root):
+    """Tools that do convert units must not do it twice."""
+    found = {
+        c.get("endConnector"): (c.get("suppressUnitConversion"), *map(float, c[0].attrib.values()))
+        for c in root.findall(".//ssd:Connection", NAMES)
+    }
+    assert found == {"t": ("true", 1.0, 273.15), "d": ("true", 0.001, 0.0)}
+
+
+def test_every_unit_of_a_connector_is_defined(root):
+    used = {kind.get("unit") for kind in root.findall(".//ssd:Connector/*", NAMES)}
+    defined = {unit.get("name"): dict(unit[0].attrib) for unit in root.findall(".//ssd:Units/ssc:Unit", NAMES)}
+    assert used == set(defined)
+    assert defined["degC"] == {"K": "1", "offset": "273.15"}
+    assert defined["mm"] == {"m": "1", "factor": "0.001"}
+
+
+def test_components_connectors_and_periods(root):
+    component = root.findall(".//ssd:Component", NAMES)
+    assert [c.get("name") for c in component] == ["car1.sensor", "heater"]
+    kinds = [(c.get("name"), c.get("kind")) for c in component[0].findall(".//ssd:Connector", NAMES)]
+    assert kinds == [("t", "output"), ("d", "output")]
+    assert component[1].find(".//ssc:Annotation", NAMES)[0].get("period") == "0.02"
+    assert root.find("ssd:DefaultExperiment", NAMES).get("stopTime") == "3.0"
+
+
+def test_values_of_every_type_survive(nodes):
+    root = valid(values(nodes["car1.sensor"]), "SystemStructureParameterValues.xsd")
+    found = {p.get("name"): (etree.QName(p[0]).localname, p[0].get("value")) for p in root.iter(f"{{{SSV}}}Parameter")}
+    assert found == {
+        "gain": ("Real", "1e-17"),
+        "seed": ("Integer", "7"),
+        "on": ("Boolean", "true"),
+        "file": ("String", 'a<b>&"c"'),
+    }
+
+
+def two_tanks(tank, again):
+    def build(settings):
+        system = System()
+        system.add("first", "Tank", period=0.01)
+        system.add("second", "Tank", {"fail_at": 5.0}, period=0.02)
+        system.add("third", str(again))
+        system.instances["third"].period = 0.01
+        system.connect("first", "second", {"inflow": "level"})
+        return system
+
+    return Scenario("tanks", "tanks", "none", 1.5, build, find=lambda model: tank)
+
+
+def test_a_file_with_its_fmus_and_values(tank, tmp_path):
+    again = tmp_path / "other" / tank.name
+    again.parent.mkdir()
+    again.write_bytes(tank.read_bytes())
+    scenario = two_tanks(tank, again)
+    made = [export(Request(scenario, tmp_path, [("first.inflow", "2")], 3), tmp_path / f"{n}.ssp") for n in "ab"]
+    assert made[0].read_bytes() == made[1].read_bytes()
+    with zipfile.ZipFile(made[0]) as archive:
+        root = valid(archive.read("SystemStructure.ssd"), "SystemStructureDescription.xsd")
+        sources = [component.get("source") for component in root.findall(".//ssd:Component", NAMES)]
+        bindings = [binding.get("source") for binding in root.findall(".//ssd:ParameterBinding", NAMES)]
+        assert {"SystemStructure.ssd", *sources, *bindings} == set(archive.namelist())
+        assert all(archive.read(source) == tank.read_bytes() for source in sources)
+        text = archive.read("resources/first.ssv")
+    assert sources == [f"resources/{tank.name}", f"resources/{tank.name}", f"resources/{tank.stem}-2.fmu"]
+    parameters = {p.get("name"): p[0].get("value") for p in etree.fromstring(text).iter(f"{{{SSV}}}Parameter")}
+    assert parameters.keys() == {"inflow", "seed"}
+    assert parameters["inflow"] == "2.0"
+
+
+def test_a_file_that_cannot_be_written(tank, tmp_path):
+    (tmp_path / "x.ssp").mkdir()
+    with pytest.raises(CosimError, match=r"cannot write .*x\.ssp: Is a directory"):
+        export(Request(two_tanks(tank, tank), tmp_path), tmp_path / "x.ssp")
+
+
+def test_the_command(monkeypatch, tmp_path, capsys):
+    from cosim import cli, scenarios  # noqa: PLC0415
+
+    monkeypatch.setattr("sys.argv", ["cosim", "export", "lateral-tracking", "-o", str(tmp_path / "l.ssp")])
+    with pytest.raises(SystemExit) as end:
+        cli.main()
+    assert (end.value.code, capsys.readouterr().out) == (0, f"{tmp_path}/l.ssp\n")
+    with zipfile.ZipFile(tmp_path / "l.ssp") as archive:
+        root = valid(archive.read("SystemStructure.ssd"), "SystemStructureDescription.xsd")
+    scenario = scenarios.load("lateral-tracking")
+    system = scenario.build({name: setting.default for name, setting in scenario.settings.items()})
+    assert [c.get("name") for c in root.findall(".//ssd:Component", NAMES)] == list(system.instances)
