@@ -5,6 +5,7 @@ CSV files have a quoted header, no trailing separators and at most 1 MB.
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping
 
 import numpy as np
@@ -14,24 +15,21 @@ from fmukit.build.recording import Recording, shown
 
 RELATIVE_TOLERANCE = 1e-6
 _LARGEST = 1_000_000
-_README = """{name}: cross-check bundle
+_README = """{title}
 {line}
 {text}
 
-{name}.fmu       the FMU (FMI 2.0 co-simulation)
-{inputs}
-{name}_ref.csv   outputs at every communication point
+{inputs}{name}_ref.csv   outputs at every communication point
 {name}_ref.opt   start time, stop time, communication step, relative tolerance
 
-Parameters keep their start values. Inputs are held over a communication step: in {name}_in.csv the row of a
-communication point holds until the next one. The reference comes from the equations evaluated by CasADi, not from
-the FMU, so that agreement is evidence. The FMU is Python based: a host that is not Python needs a Python 3
-interpreter that it can find.
+Parameters keep their start values. The reference comes from the equations, evaluated by CasADi, and not from the FMU:
+agreement is evidence. A host that is not Python needs a Python 3 interpreter it can find.
 
 In FMPy:
 
     fmpy simulate {name}.fmu {options}--output-interval {step:g} --stop-time {stop:g}
 """
+_INPUTS = "{name}_in.csv    inputs; a row holds from its communication point until the next\n"
 
 
 def bundle(name: str, recording: Recording) -> dict[str, bytes]:
@@ -61,10 +59,14 @@ def _options(recording: Recording) -> str:
 
 
 def _readme(name: str, recording: Recording) -> str:
-    run = recording.run
-    given = f"{name}_in.csv    inputs" if recording.inputs else "(no inputs)"
-    options = f"--input-file {name}_in.csv " if recording.inputs else ""
-    line = "=" * len(f"{name}: cross-check bundle")
+    run, title = recording.run, f"{name}: cross-check bundle"
     return _README.format(
-        name=name, line=line, text=run.text, inputs=given, options=options, step=run.step, stop=run.stop
+        title=title,
+        line="=" * len(title),
+        text=textwrap.fill(run.text, 118),
+        inputs=_INPUTS.format(name=name) if recording.inputs else "",
+        name=name,
+        options=f"--input-file {name}_in.csv " if recording.inputs else "",
+        step=run.step,
+        stop=run.stop,
     )

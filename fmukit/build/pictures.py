@@ -50,7 +50,7 @@ def _lines(parent: str, members: list[str], indices: list[int]) -> list[str]:
 def block(interface: Interface) -> bytes:
     """The block: inputs left, outputs right, name and purpose inside."""
     inputs = families(interface.names("input"))
-    outputs = families(interface.names("output"))
+    outputs = [*families(interface.names("output")), "fault"]
     height = _LINE * (max(len(inputs), len(outputs), 8) + 2)
     with style.context("default"):
         figure = Figure(figsize=(9.0, height), dpi=_DPI)
