@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from fmukit.conformance.archive_rules import ARCHIVE
 from fmukit.conformance.package import Package
-from fmukit.conformance.rule import GROUPS, Finding, look
+from fmukit.conformance.rule import GROUPS, Finding, Rule, look
 from fmukit.conformance.xml_rules.group import XML
 
 ALL = "".join(GROUPS)
@@ -27,6 +28,13 @@ def check(path: Path | str, groups: str = ALL, others: Sequence[Path | str] = ()
     from fmukit.conformance.running import run_groups  # noqa: PLC0415  (lazy: reading needs no FMPy)
 
     return findings + [finding for finding in run_groups(package, others) if finding.rule.number[0] in groups]
+
+
+def every_rule() -> list[Rule[Any]]:
+    """The rules of all groups, in the order they are applied."""
+    from fmukit.conformance.groups import RULES  # noqa: PLC0415  (lazy, as above)
+
+    return [*READING, *RULES]
 
 
 def holds(findings: Sequence[Finding]) -> bool:

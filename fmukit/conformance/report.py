@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import Any
 
 from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
-from fmukit.conformance.rule import Finding
+from fmukit.conformance.rule import Finding, Rule
 
 _STYLE = {"pass": "green", "fail": "bold red", "skip": "dim"}
 
@@ -45,6 +46,12 @@ def sentences(path: Path, findings: Iterable[Finding]) -> str:
             lines += [f"{path}: {finding.rule.number} {finding.rule.title} (section {finding.rule.section})"]
             lines += [f"  - {_printable(seen)}" for seen in finding.seen] + [f"  > {finding.rule.remedy}"]
     return "\n".join(lines)
+
+
+def rule_table(rules: Iterable[Rule[Any]]) -> str:
+    """Number, title and section of the rules as a Markdown table."""
+    lines = [f"| {rule.number} | {rule.title} | {rule.section} |" for rule in rules]
+    return "\n".join(["| rule | what must hold | section |", "|---|---|---|", *lines])
 
 
 def records(path: Path, findings: Iterable[Finding]) -> list[dict[str, object]]:

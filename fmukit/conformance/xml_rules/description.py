@@ -26,7 +26,7 @@ _KEYWORDS = re.compile(
     "Correct the place named; take out <!DOCTYPE> and <!ENTITY>, which can read other files or exhaust the memory.",
 )
 def _well_formed(package: Package) -> Iterator[str]:
-    if not package.xml:
+    if package.damage or DESCRIPTION not in package.names:
         raise NotApplicable(f"there is no {DESCRIPTION} that can be read")
     if package.flaw:
         yield package.flaw
