@@ -19,6 +19,7 @@ from fmukit.build.errors import BuildError
 from fmukit.component import Component
 from fmus import CATALOGUE
 from fmus.check_cli import check_command
+from fmus.host_cli import PASS_ON, doctor_command, host_command
 
 # Of the click inside typer, which has no public name for it.
 _UsageError: type[Exception] = typer.BadParameter.__mro__[1]
@@ -54,6 +55,8 @@ def _about() -> None:
 
 
 app.command("check")(check_command)
+app.command("host", context_settings=PASS_ON)(host_command)
+app.command("doctor")(doctor_command)
 
 
 @app.command("list")
