@@ -42,6 +42,12 @@ def _laughs(xml: bytes) -> bytes:
     return xml.replace(b"?>", text.encode(), 1).replace(b'modelName="Imu"', b'modelName="&l9;"')
 
 
+def _encrypted(data: bytes) -> bytes:
+    """The flag of encryption on the first entry, in both headers."""
+    place = data.index(b"PK\x01\x02") + 8
+    return data[:6] + b"\x01" + data[7:place] + b"\x01" + data[place + 1 :]
+
+
 _EXTERNAL = b'?><!DOCTYPE f [<!ENTITY x SYSTEM "file:///etc/passwd">]>'
 _REMOTE = b'?><!DOCTYPE f SYSTEM "http://127.0.0.1:9/f.dtd">'
 
@@ -53,6 +59,7 @@ MALFORMED: dict[str, Make] = {
     "lost its beginning": _bytes(lambda data: data[5000:]),
     "zeros in the middle": _bytes(lambda data: data[:1000] + bytes(8000) + data[9000:]),
     "size that lies": _bytes(_lies_about_its_size),
+    "encrypted": _bytes(_encrypted),
     "empty archive": _bytes(lambda data: b"PK\x05\x06" + bytes(18)),
     "external entity": _document(lambda xml: xml.replace(b"?>", _EXTERNAL, 1).replace(b"Imu", b"&x;", 1)),
     "remote document type": _document(lambda xml: xml.replace(b"?>", _REMOTE, 1)),

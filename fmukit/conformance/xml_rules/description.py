@@ -80,7 +80,7 @@ def _identifier(package: Package) -> Iterator[str]:
             yield f"modelIdentifier of {element.tag} is {name!r}"
 
 
-@rule("The model has a name", "2.2.1", "Give modelName the name a user knows the model by.")
+@rule("The model has a name", "good practice", "Give modelName the name a user knows the model by.")
 def _name(package: Package) -> Iterator[str]:
     if not package.root.get("modelName").strip():
         yield f"modelName is {package.root.get('modelName')!r}"

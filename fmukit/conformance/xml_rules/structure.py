@@ -98,16 +98,17 @@ def _dependencies(package: Package) -> Iterator[str]:
 
 
 @rule(
-    "Outputs and derivatives depend on inputs, states and time only",
+    "Outputs and derivatives depend on inputs, tunable parameters, states and time only",
     "2.2.8",
-    "Take other variables off dependencies; during the run only inputs, exposed states and the independent variable "
-    "are known from outside.",
+    "Take other variables off dependencies; during the run only inputs, tunable parameters, exposed states and the "
+    "independent variable are known from outside.",
 )
 def _knowns(package: Package) -> Iterator[str]:
     states = {variable.derivative for variable in _named(package, "Derivatives")}
     for where, place, indices in _dependent(package):
         for variable in _existing(package, indices):
-            known = variable.causality in ("input", "independent") or variable.index in states
+            given = variable.causality in ("input", "independent") or variable.variability == "tunable"
+            known = given or variable.index in states
             if place != "InitialUnknowns" and not known:
                 yield f"{where} depends on {variable.name}, a {variable.variability} {variable.causality}"
 
