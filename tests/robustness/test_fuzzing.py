@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 import subprocess
 import sys
 from collections import Counter
 from pathlib import Path
 
 import pytest
+from broken_copy import copy_with
 
 from fmus import CATALOGUE
 
@@ -71,7 +71,7 @@ def test_a_crash_is_reported_with_its_calls(tmp_path: Path, unzipped: dict[str, 
     """The fuzzer itself: an FMU whose step kills the process is found out, with the call that did it."""
     folder = tmp_path / "Imu"
     step = "        try:\n            if self._mode != STEPPING"
-    _copy_with(folder, unzipped["Imu"], "slave.py", step, "__import__('os').abort()")
+    copy_with(folder, unzipped["Imu"], "slave.py", step, "        __import__('os').abort()")
     with pytest.raises(pytest.fail.Exception, match=r"died of signal 6 in\n(.*\n)*.*doStep"):
         fuzz(folder, 50, 1)
 
@@ -79,15 +79,8 @@ def test_a_crash_is_reported_with_its_calls(tmp_path: Path, unzipped: dict[str, 
 def test_a_refused_call_with_an_effect_is_found(tmp_path: Path, unzipped: dict[str, Path]) -> None:
     """The fuzzer itself: a slave that stores a value before it checks it is found out."""
     folder = tmp_path / "Imu"
-    _copy_with(folder, unzipped["Imu"], "values.py", "        misfit = where", "where.write(self._buffer, taken)")
+    copy_with(
+        folder, unzipped["Imu"], "values.py", "        misfit = where", "        where.write(self._buffer, taken)"
+    )
     with pytest.raises(AssertionError, match="set_anything"):
         fuzz(folder, 50, 1)
-
-
-def _copy_with(folder: Path, original: Path, module: str, before: str, inserted: str) -> None:
-    """A copy of the FMU under another name of its package, with a line inserted into a module of its runtime."""
-    shutil.copytree(original, folder)
-    (path,) = (folder / "resources").glob(f"*/runtime/{module}")
-    text = path.read_text("utf-8")
-    assert text.count(before) == 1
-    path.write_text(text.replace(before, f"        {inserted}\n{before}"), "utf-8")

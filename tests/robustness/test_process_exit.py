@@ -1,0 +1,28 @@
+"""A process that used our FMUs ends in peace: PythonFMU's own binary now and then aborts it when all work is done."""
+
+from __future__ import annotations
+
+import random
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+PROCESSES = 20
+
+
+@pytest.mark.parametrize("seed", range(PROCESSES))
+def test_exit_after_several_fmus(unzipped: dict[str, Path], seed: int) -> None:
+    """Several FMUs in some order, every second instance freed, the others left to the end of the process."""
+    generator = random.Random(seed)
+    folders = generator.sample(sorted(unzipped.values()), generator.randint(2, len(unzipped)))
+    done = subprocess.run(
+        [sys.executable, "exit_worker.py", *map(str, folders)],
+        cwd=Path(__file__).parent,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout == f"done {len(folders)} {folders[0].name}\n"
