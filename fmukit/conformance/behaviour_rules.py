@@ -44,7 +44,7 @@ def start_values(bench: Bench) -> Iterator[str]:
             yield f"{variable.name} cannot be read: {host.word(status)}"
         elif not _equal(variable, value, variable.start):
             yield f"{variable.name} is {_plain(value)!r}, its declared start value is {variable.start!r}"
-    instance.free()
+    bench.dismiss(instance, "initialisation")
 
 
 @B.add(
@@ -53,7 +53,7 @@ def start_values(bench: Bench) -> Iterator[str]:
     "give outputs a finite value at the start, and look for a division by zero or an unstable equation",
 )
 def finite(bench: Bench) -> Iterator[str]:
-    rows = host.life(bench.target, bench.plan)
+    rows = bench.life(bench.plan)
     for position, variable in enumerate(bench.outputs):
         k = next((k for k, row in enumerate(rows) if not isfinite(row[position])), None)
         if k is not None:
@@ -80,7 +80,7 @@ def round_trips(bench: Bench) -> Iterator[str]:
         _, (read,) = instance.get(fmi_type(variable), [variable.vr])
         if not _equal(variable, read, value):
             yield f"{variable.name} was set to {value!r} and reads back as {_plain(read)!r}"
-    instance.free()
+    bench.dismiss(instance, "initialisation")
 
 
 def _another(variable: Variable) -> Value:
@@ -119,6 +119,7 @@ def step_size_invariance(bench: Bench) -> Iterator[str]:
     if bench.continuous or not bench.select("output", "Real"):
         raise NotApplicable("it has no outputs that are all sampled")
     bench.requires("canHandleVariableCommunicationStepSize", "it takes steps of one size only")
+    bench.reference()  # without one there is nothing to compare with
     held = _held(bench.plan, 2)
     expected = _at_ends(bench, held, 2)
     for parts, words in ((4, "half steps"), (1, "double steps"), (6, "thirds of a step")):
@@ -136,6 +137,7 @@ def convergence(bench: Bench) -> Iterator[str]:
     if not bench.continuous:
         raise NotApplicable("it has no continuous outputs")
     bench.requires("canHandleVariableCommunicationStepSize", "it takes steps of one size only")
+    bench.reference()
     once, twice, often = (_at_ends(bench, bench.plan, parts) for parts in (1, 2, 4))
     for position, variable in enumerate(bench.outputs):
         if variable.type != "Real" or variable.variability != "continuous":
@@ -165,7 +167,7 @@ def _held(plan: host.Plan, count: int) -> host.Plan:
 def _at_ends(bench: Bench, plan: host.Plan, parts: int) -> list[host.Row]:
     """The outputs at the ends of the plan's steps, each of which is cut into `parts`."""
     rows = tuple(row for row in plan.rows for _ in range(parts))
-    return host.life(bench.target, replace(plan, step=plan.step / parts, rows=rows))[parts::parts]
+    return bench.life(replace(plan, step=plan.step / parts, rows=rows))[parts::parts]
 
 
 def _doubled(sentence: str) -> str:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import random
 import sys
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
+from ctypes import byref
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -88,7 +90,7 @@ class Bench:
         return rows
 
     def _differs_in_one_process(self) -> bool:
-        first, second = (host.life(self.target, self.plan) for _ in range(2))
+        first, second = (self.life(self.plan) for _ in range(2))
         self.memory["reference"] = first
         return repr(first) != repr(second)
 
@@ -115,9 +117,17 @@ class Bench:
 
     # instances
 
+    def make(self, name: str = "instance") -> host.Instance:
+        """A new instance; raises CallFailed if the FMU makes none."""
+        return host.made(self.target, name, None if self.package.python else formatting)
+
+    def life(self, plan: host.Plan) -> list[host.Row]:
+        """The outputs of a whole life: at the start and after each step."""
+        return host.life(self.make(), plan)
+
     def lead(self, state: str, count: int = 5) -> host.Instance:
         """A new instance led to one of STATES; stepping and terminated come after `count` steps."""
-        instance = host.made(self.target)
+        instance = self.make()
         if state == "instantiated":
             return instance
         instance.enter(self.plan.start)
@@ -139,6 +149,23 @@ class Bench:
             instance.must("ExitInitializationMode")
         return host.steps(instance, self.plan, count if state == "stepping" else 0, forgiving=True)
 
+    def dismiss(self, instance: host.Instance, state: str) -> None:
+        """Free an instance, after its initialisation (freeing it earlier is the matter of a rule of its own)."""
+        if state == "initialisation":
+            instance.call("ExitInitializationMode")
+        instance.free()
+
+    def after_resets(self) -> dict[str, str]:
+        """What a reset in each state leaves behind, if anything."""
+        return self.remember("resets", lambda: {state: self._after_reset(state) for state in STATES})
+
+    def _after_reset(self, state: str) -> str:
+        instance = self.lead(state)
+        instance.must("Reset")
+        seen = [host.initialised(instance, self.plan), *host.steps(instance, self.plan)]
+        instance.free()
+        return self.difference(seen, self.reference())
+
     def difference(self, seen: Sequence[host.Row], expected: Sequence[host.Row]) -> str:
         """Where two runs first differ (both end with the plan): 'at 0.25 s y is 3.0 instead of 2.0', or nothing."""
         for k, (row, other) in enumerate(zip(seen, expected, strict=True)):
@@ -147,6 +174,14 @@ class Bench:
                     time = self.plan.start + (len(self.plan.rows) - len(seen) + k + 1) * self.plan.step
                     return f"at {time:g} s {v.name} is {value!r} instead of {right!r}"
         return ""
+
+
+def formatting(callbacks: host.Callbacks) -> None:
+    """Have messages formatted by C's printf before they are logged, as hosts written in C do, where FMPy can."""
+    with suppress(Exception):
+        from fmpy.logging import addLoggerProxy  # noqa: PLC0415  (a native library not every platform has)
+
+        addLoggerProxy(byref(callbacks))
 
 
 def fmi_type(variable: Variable) -> str:

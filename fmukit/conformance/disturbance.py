@@ -46,6 +46,10 @@ def verdict(what: str, status: int, said: bool) -> Iterator[str]:
 
 def unharmed(bench: Bench, instance: host.Instance, state: str, status: int, what: str) -> Iterator[str]:
     """Finish the run (after a reset if `status` is an error) and compare; frees the instance."""
+    resets = status >= host.ERROR or state == "terminated"
+    if resets and any(bench.after_resets().values()):
+        instance.free()  # a rule of its own says that reset does not work
+        return
     if status >= host.ERROR:
         instance.must("Reset")
         state = "instantiated"
@@ -58,6 +62,6 @@ def unharmed(bench: Bench, instance: host.Instance, state: str, status: int, wha
 
 def _values(bench: Bench, instance: host.Instance, state: str) -> str:
     """The outputs but the Booleans (one of them may signal the fault), where they may be read."""
-    if state not in ("stepping", "terminated"):
+    if state != "stepping":
         return ""
     return repr([x for v, x in zip(bench.outputs, instance.outputs(), strict=True) if v.type != "Boolean"])

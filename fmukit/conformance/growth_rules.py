@@ -11,7 +11,6 @@ from dataclasses import replace
 from pathlib import Path
 from time import monotonic
 
-from fmukit.conformance import host
 from fmukit.conformance.behaviour_rules import B
 from fmukit.conformance.bench import Bench
 from fmukit.conformance.rule import NotApplicable
@@ -29,7 +28,7 @@ def use(bench: Bench, cycles: int) -> int:
     plan = replace(bench.plan, rows=bench.plan.rows[:_STEPS])
     began = monotonic()
     for cycle in range(cycles):
-        host.life(bench.target, plan)
+        bench.life(plan)
         if cycle % 10 == 9:
             gc.collect()
         if monotonic() - began > _PATIENCE:

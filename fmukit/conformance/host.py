@@ -195,9 +195,8 @@ def initialised(instance: Instance, plan: Plan) -> Row:
     return instance.outputs()
 
 
-def life(target: Target, plan: Plan) -> list[Row]:
-    """One whole life: the outputs at the start and after each step."""
-    instance = made(target)
+def life(instance: Instance, plan: Plan) -> list[Row]:
+    """The whole life of a new instance: the outputs at the start and after each step."""
     seen = [initialised(instance, plan), *steps(instance, plan)]
     instance.must("Terminate")
     instance.free()

@@ -10,6 +10,7 @@ from shutil import copytree
 
 from fmukit.conformance import errand, host
 from fmukit.conformance.bench import Bench
+from fmukit.conformance.lifecycle_rules import disturbed_by_another
 from fmukit.conformance.rule import NotApplicable, Rules
 from fmukit.conformance.stranger import namesakes, stranger
 
@@ -43,6 +44,9 @@ def no_host_packages(bench: Bench) -> Iterator[str]:
     "give embedded modules names no other FMU has (a content hash), import them relatively, keep no global data",
 )
 def any_order(bench: Bench) -> Iterator[str]:
+    bench.reference()
+    if disturbed_by_another(bench):
+        raise NotApplicable("two instances of this FMU disturb each other already")
     copy = _copy(bench)
     alone = {id(bench): bench.alone(), id(copy): bench.alone()} | {id(o): o.alone() for o in bench.others}
     sequences = [[[bench], [copy], [bench, copy]], [[copy, bench], [bench]]]

@@ -19,7 +19,7 @@ _LIVES = 10
 )
 def made_and_freed(bench: Bench) -> Iterator[str]:
     for _ in range(3):
-        host.made(bench.target).free()
+        bench.make().free()
     yield from ()
 
 
@@ -30,7 +30,7 @@ def made_and_freed(bench: Bench) -> Iterator[str]:
     "steps, terminate, free",
 )
 def whole_life(bench: Bench) -> Iterator[str]:
-    host.life(bench.target, bench.plan)
+    bench.life(bench.plan)
     yield from ()
 
 
@@ -60,7 +60,7 @@ def read_in_every_state(bench: Bench) -> Iterator[str]:
             instance.outputs()
         except host.CallFailed as error:
             yield f"in the state '{state}': {error}"
-        instance.free()
+        bench.dismiss(instance, state)
 
 
 @L.add(
@@ -69,13 +69,7 @@ def read_in_every_state(bench: Bench) -> Iterator[str]:
     "let fmi2Reset restore all variables and all hidden state to what fmi2Instantiate makes",
 )
 def reset(bench: Bench) -> Iterator[str]:
-    reference = bench.reference()
-    for state in STATES:
-        instance = bench.lead(state)
-        instance.must("Reset")
-        seen = [host.initialised(instance, bench.plan), *host.steps(instance, bench.plan)]
-        instance.free()
-        changed = bench.difference(seen, reference)
+    for state, changed in bench.after_resets().items():
         if changed:
             yield f"reset in the state '{state}' leaves something behind: {changed}"
 
@@ -88,7 +82,7 @@ def reset(bench: Bench) -> Iterator[str]:
 def repeated_lives(bench: Bench) -> Iterator[str]:
     reference = bench.alone()
     for number in range(1, _LIVES + 1):
-        changed = bench.difference(host.life(bench.target, bench.plan), reference)
+        changed = bench.difference(bench.life(bench.plan), reference)
         if changed:
             yield f"life {number} of this process differs from one in a process of its own: {changed}"
             return
@@ -102,6 +96,17 @@ def repeated_lives(bench: Bench) -> Iterator[str]:
 def several_at_once(bench: Bench) -> Iterator[str]:
     if bench.package.flag("canBeInstantiatedOnlyOncePerProcess"):
         raise NotApplicable("canBeInstantiatedOnlyOncePerProcess is declared")
+    changed = disturbed_by_another(bench)
+    if changed:
+        yield f"an instance run in turns with another one differs: {changed}"
+
+
+def disturbed_by_another(bench: Bench) -> str:
+    """How an instance differs that runs in turns with another one, or nothing."""
+    return bench.remember("in turns", lambda: _in_turns(bench))
+
+
+def _in_turns(bench: Bench) -> str:
     reference = bench.reference()
     other = bench.lead("stepping", 3)
     one = bench.lead("instantiated")
@@ -111,12 +116,10 @@ def several_at_once(bench: Bench) -> Iterator[str]:
         if 3 + k < len(bench.plan.rows):
             host.steps(other, _until(bench.plan, 4 + k), 3 + k)
         if k == len(bench.plan.rows) // 2:
-            host.made(bench.target, "passing").free()
+            bench.make("passing").free()
     other.free()
     one.free()
-    changed = bench.difference(seen, reference)
-    if changed:
-        yield f"an instance run in turns with another one differs: {changed}"
+    return bench.difference(seen, reference)
 
 
 @L.add(

@@ -62,7 +62,7 @@ def _differences_elsewhere(bench: Bench) -> list[str]:
 
 def _replay_elsewhere(bench: Bench) -> Iterator[str]:
     expected = bench.reference()[1 + _BEFORE :]
-    data, other = _bytes(bench), host.made(bench.target, "another")
+    data, other = _bytes(bench), bench.make("another")
     status, state = other.from_bytes(data)
     other.expect("fmi2DeSerializeFMUstate", status)
     other.restore(state)

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from ctypes import byref
 
 from fmukit.conformance import host
 from fmukit.conformance.behaviour_rules import B
-from fmukit.conformance.bench import Bench, first, fmi_type
+from fmukit.conformance.bench import Bench, first, fmi_type, formatting
 from fmukit.conformance.disturbance import attempt, disturbed, verdict
 from fmukit.conformance.rule import NotApplicable
 from fmukit.conformance.variable import Variable
@@ -120,7 +119,7 @@ def percent(bench: Bench) -> Iterator[str]:
     if not texts:
         raise NotApplicable("it has no String parameters or inputs")
     for variable in texts[:3]:
-        instance = host.made(bench.target, "formatted", _formatting)
+        instance = host.made(bench.target, "formatted", formatting)
         instance.set("String", [variable.vr], [_FORMAT])
         instance.setup(bench.plan.start)
         instance.call("EnterInitializationMode")
@@ -130,12 +129,3 @@ def percent(bench: Bench) -> Iterator[str]:
             if "100" in message and _FORMAT not in message:
                 yield f"with {variable.name} = {_FORMAT!r} the message reads {message!r}"
         instance.free()
-
-
-def _formatting(callbacks: host.Callbacks) -> None:
-    """Have messages formatted by C's printf before they are logged, as hosts written in C do."""
-    try:
-        from fmpy.logging import addLoggerProxy  # noqa: PLC0415  (a native library not every platform has)
-    except Exception as error:
-        raise NotApplicable(f"FMPy has no formatting logger for this platform ({error})") from None
-    addLoggerProxy(byref(callbacks))

@@ -1,0 +1,3 @@
+/* start_values: the parameter starts at another value than declared */
+#define START_GAIN 3.0
+#include "sound.h"

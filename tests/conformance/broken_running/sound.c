@@ -1,0 +1,3 @@
+/* nothing: no rule is broken */
+
+#include "sound.h"
