@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 import pytest
 from vehicle_car import SLICES, Car
+from vehicle_contact import coordinates, joint_order, named, road_contact, tyre_wrench
 from vehicle_oracle import car_model, pin_equations
 
 from fmus.vehicle16dof.interface import INTERFACE
@@ -28,31 +28,8 @@ LOSSLESS = {
 HEIGHT = 100.0
 
 
-def named(car: Car) -> dict[str, float]:
-    return dict(zip(INTERFACE.names("parameter"), car.p, strict=True))
-
-
 def model_of(car: Car) -> pin.Model:
     return car_model(named(car))
-
-
-def joint_order(per_wheel: np.ndarray, front: np.ndarray, spin: np.ndarray) -> np.ndarray:
-    """Travel, steer, wheel of each corner in the order of the tree."""
-    rows = []
-    for c in CORNERS:
-        rows += (
-            [per_wheel[c.index], front[c.index], spin[c.index]] if c.steered else [per_wheel[c.index], spin[c.index]]
-        )
-    return np.array(rows)
-
-
-def coordinates(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(q, u) of Pinocchio from the state column."""
-    s = {name: x[where] for name, where in SLICES.items()}
-    w, *vector = s["attitude"]
-    q = joint_order(s["travel"], s["steer"], s["wheel_angle"])
-    u = joint_order(s["travel_rate"], s["steer_rate"], s["wheel_speed"])
-    return np.concatenate([s["position"], vector, [w], q]), np.concatenate([s["velocity"], s["angular_rate"], u])
 
 
 def throw(car: Car, rng: np.random.Generator) -> None:
@@ -172,42 +149,3 @@ def generalised_forces(car: Car, model: pin.Model, q: np.ndarray, u: np.ndarray)
             steer = model.joints[model.getJointId(f"steer.{c.name}")].idx_v
             total[steer] += inputs[f"steer_torque.{c.name}"] - damping
     return total
-
-
-@dataclass(frozen=True)
-class Touch:
-    """Where a wheel touches the road z = 0: directions of the track and of the axle, arm from the wheel centre."""
-
-    x: np.ndarray
-    y: np.ndarray
-    axle: np.ndarray
-    arm: np.ndarray
-
-
-UP = np.array([0.0, 0.0, 1.0])
-
-
-def road_contact(centre: np.ndarray, axle: np.ndarray) -> Touch:
-    """The lowest point of the disc, prolonged to the road."""
-    x = np.cross(axle, UP)
-    x /= np.linalg.norm(x)
-    down = np.cross(axle, x)
-    down *= -np.sign(down[2])
-    return Touch(x, np.cross(UP, x), axle, down * (centre[2] / -down[2]))
-
-
-def tyre_wrench(car: Car, wheel: str, touch: Touch, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Force at the contact point and free moment on the wheel, in the world, from the car's outputs.
-
-    Aligning moment -t F_y about the normal, t falling with load and slip; rolling resistance f_r F_z R_e against the
-    spin. `velocity` is that of the knuckle at the contact point.
-    """
-    p = named(car)
-    F_x, F_y, F_z = (car[f"tyre_force_{a}.{wheel}"] for a in "xyz")
-    trail = p["tyre.trail"] * F_z / p["tyre.nominal_load"]
-    trail *= max(0.0, 1.0 - abs(np.tan(car[f"slip_angle.{wheel}"])) / p["tyre.trail_vanishing_slip"])
-    v = abs(velocity @ touch.x)
-    f_r = p["tyre.rolling.constant"] + p["tyre.rolling.linear"] * v + p["tyre.rolling.quartic"] * v**4
-    R_e = p["wheel.radius"] - (p["wheel.radius"] - np.linalg.norm(touch.arm)) / 3.0
-    rolling = f_r * F_z * R_e * np.tanh(car[f"wheel_speed.{wheel}"] / p["tyre.rolling.fade"])
-    return F_x * touch.x + F_y * touch.y + F_z * UP, -trail * F_y * UP - rolling * touch.axle
