@@ -1,6 +1,6 @@
 """Wheel loads of the tyre springs against those of a car whose wheels are held to the road by constraints.
 
-The constrained car is Pinocchio's tree on rigid wheels of the nominal loaded radius: c = height of the contact point = 0
+The constrained car is Pinocchio's tree on rigid wheels of the nominal loaded radius: c, the height of the contact, = 0
 at each wheel, with the wheel load as its Lagrange multiplier. At rest and in a steady turn u' = 0, and
 
     h(q, u) = Q(q) + J_c' lambda,   c(q) = 0
