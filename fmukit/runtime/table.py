@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import os
 from array import array
 from itertools import pairwise
 from math import isfinite
@@ -29,6 +30,8 @@ def read(path: str, spec: TableFile) -> tuple[array[float], int]:
 
 def _rows(path: str, spec: TableFile) -> list[list[float]]:
     try:
+        if os.path.exists(path) and not os.path.isfile(path):
+            raise OSError("it is not a file")  # a pipe or a device might never end
         with open(path, encoding="utf-8-sig", newline="") as file:
             lines = [line for line in csv.reader(file, skipinitialspace=True) if line]
     except (OSError, ValueError, csv.Error) as error:

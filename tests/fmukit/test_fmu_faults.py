@@ -5,6 +5,8 @@ from __future__ import annotations
 import ctypes
 import gc
 import math
+import os
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -183,6 +185,16 @@ def test_bad_table_discards_every_step_until_reset(make: Make, tmp_path: Path, k
     assert instance["fault"] == 1
     instance.fmu.reset()
     assert instance.initialise().step(5e-3)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="has neither pipes nor devices among its files")
+@pytest.mark.parametrize("kind", ["pipe", "device", "folder"])
+def test_table_that_never_ends_is_not_read(make: Make, tmp_path: Path, kind: str) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    file = {"pipe": tmp_path / "pipe", "device": Path("/dev/zero"), "folder": tmp_path}[kind]
+    instance = make("DemoFilter").initialise({"profile_file": str(file)})
+    assert "it is not a file" in instance.messages[0]
+    assert not instance.step(5e-3)
 
 
 def test_bad_parameter_is_named_and_the_first_step_discarded(make: Make) -> None:
