@@ -27,6 +27,7 @@ def test_latency_and_period_are_exact(gps, period, latency):
     times, position = truth()["time"][::2], truth()["truth.position.x"][::2]
     new = fixes(y)
     assert np.allclose(y["gps.age"][new], latency, atol=1e-9)
+    assert np.allclose(times - y["gps.time"], y["gps.age"], atol=1e-9)
     assert np.allclose(np.diff(times[new]), period, atol=1e-9)
     assert times[new[0]] == pytest.approx(latency)
     taken = np.round((times - y["gps.age"]) / GRID).astype(int)[new[0] :]
