@@ -13,6 +13,8 @@ from fmukit.conformance.xml_rules.group import XML
 
 ALL = "".join(GROUPS)
 READING = (*ARCHIVE.rules, *XML.rules)
+VITAL = ("A1", "A14")
+"""An FMU that breaks one of these is not run: a Python FMU without its script takes the process down."""
 
 
 def check(path: Path | str, groups: str = ALL, others: Sequence[Path | str] = ()) -> list[Finding]:
@@ -25,14 +27,23 @@ def check(path: Path | str, groups: str = ALL, others: Sequence[Path | str] = ()
     findings = [look(rule, package) for rule in READING if rule.number[0] in groups]
     if set(groups) <= {"A", "X"}:
         return findings
-    from fmukit.conformance.running import run_groups  # noqa: PLC0415  (lazy: reading needs no FMPy)
+    return findings + [finding for finding in _run(package, others) if finding.rule.number[0] in groups]
 
-    return findings + [finding for finding in run_groups(package, others) if finding.rule.number[0] in groups]
+
+def _run(package: Package, others: Sequence[Path | str]) -> list[Finding]:
+    from fmukit.conformance.groups import RULES  # noqa: PLC0415  (lazy: reading needs no FMPy)
+    from fmukit.conformance.running import run_groups  # noqa: PLC0415
+
+    broken = [rule.number for rule in READING if rule.number in VITAL and look(rule, package).status == "fail"]
+    if broken:
+        reason = f"not run, because rule {broken[0]} does not hold"
+        return [Finding(rule, "skip", (reason,)) for rule in RULES]
+    return run_groups(package, others)
 
 
 def every_rule() -> list[Rule[Any]]:
     """The rules of all groups, in the order they are applied."""
-    from fmukit.conformance.groups import RULES  # noqa: PLC0415  (lazy, as above)
+    from fmukit.conformance.groups import RULES  # noqa: PLC0415  (lazy: FMPy)
 
     return [*READING, *RULES]
 

@@ -10,7 +10,7 @@ from broken import BROKEN, Broken
 
 from fmukit.build.cache import cached
 from fmukit.component import Component
-from fmukit.conformance.check import READING, check
+from fmukit.conformance.check import READING, VITAL, check
 from fmukit.conformance.pytest_helper import assert_conformant
 from fmus import CATALOGUE
 
@@ -30,14 +30,27 @@ def test_every_rule_holds_for_some_fmu(good: Path, tmp_path: Path) -> None:
     assert {finding.rule.number for finding in found if finding.status == "pass"} == {rule.number for rule in READING}
 
 
-@pytest.mark.parametrize("broken", BROKEN, ids=[f"{broken.rule}-{i}" for i, broken in enumerate(BROKEN)])
-def test_exactly_the_intended_rule_fails(broken: Broken, good: Path, tmp_path: Path) -> None:
-    path = broken.make(good, tmp_path / "broken.fmu")
+def _made(broken: Broken, good: Path, folder: Path) -> Path:
+    path = broken.make(good, folder / "broken.fmu")
     if broken.rule == "A1":
         path.write_bytes(path.read_bytes().replace(b"FLIPPED", b"FLOPPED", 1))
+    return path
+
+
+@pytest.mark.parametrize("broken", BROKEN, ids=[f"{broken.rule}-{i}" for i, broken in enumerate(BROKEN)])
+def test_exactly_the_intended_rule_fails(broken: Broken, good: Path, tmp_path: Path) -> None:
+    path = _made(broken, good, tmp_path)
     failed = {finding.rule.number: finding for finding in check(path, "AX") if finding.status == "fail"}
     assert failed.keys() == {broken.rule}, failed
     assert broken.says in " ".join(failed[broken.rule].seen)
+
+
+@pytest.mark.parametrize("number", VITAL)
+def test_what_breaks_a_vital_rule_is_not_run(number: str, good: Path, tmp_path: Path) -> None:
+    broken = next(broken for broken in BROKEN if broken.rule == number)
+    findings = check(_made(broken, good, tmp_path))
+    assert [finding.rule.number for finding in findings if finding.status == "fail"] == [number]
+    assert {finding.status for finding in findings if finding.rule.number[0] in "LBI"} == {"skip"}
 
 
 def test_every_rule_has_a_broken_fmu() -> None:
