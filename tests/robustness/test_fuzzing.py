@@ -17,6 +17,7 @@ from broken_copy import copy_with
 
 from fmus import CATALOGUE
 
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="the fuzzer calls the Linux binaries")
 NAMES = [component.interface.name for component in CATALOGUE]
 SLOW = {"ReferenceTrajectory": 0.12}  # its state holds the whole trajectory: 0.4 MB to compare after every call
 ROOT = Path(__file__).parents[2]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-import sysconfig
 import zipfile
 from pathlib import Path
 from xml.etree import ElementTree
@@ -15,6 +14,7 @@ import pytest
 from fmukit.build.cache import cached
 from fmukit.component import Component
 from fmus import CATALOGUE
+from fmus.hosting import environment
 
 CYCLES = 100
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="the host is written for Linux")
@@ -54,17 +54,14 @@ def _arguments(component: Component, parent: Path) -> list[str]:
     return [str(binary), root.attrib["guid"], resources, step, first["input"], fault, first["output"]]
 
 
-def environment() -> dict[str, str]:
-    """What a host that is not Python needs: the interpreter's library, and where its packages are."""
-    library = Path(str(sysconfig.get_config_var("LIBDIR"))) / str(sysconfig.get_config_var("INSTSONAME"))
-    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"
-    kept = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
-    return {**kept, "LD_PRELOAD": str(library), "PATH": path}
+def foreign() -> dict[str, str]:
+    """The environment `fmus host` gives a host that is not Python, and nothing else of Python's."""
+    return environment({key: value for key, value in os.environ.items() if not key.startswith("PYTHON")})
 
 
 def run(host: Path, cycles: int, *fmus: list[str]) -> None:
     line = [str(host), str(cycles), *(argument for fmu in fmus for argument in fmu)]
-    done = subprocess.run(line, env=environment(), capture_output=True, text=True, timeout=120, check=False)
+    done = subprocess.run(line, env=foreign(), capture_output=True, text=True, timeout=120, check=False)
     assert done.returncode == 0, f"{done.returncode}: {done.stdout[-500:]} {done.stderr[-2000:]}"
     assert done.stdout.splitlines()[-1] == f"done: {len(fmus)} FMUs, {cycles} cycles"
 
