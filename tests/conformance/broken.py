@@ -381,16 +381,17 @@ def _nan(root: Any) -> None:
     variable(root, "parameter")[0].set("start", "NaN")
 
 
-@description("X33", "starts at 99999.0, outside")
+@description("X33", "variable count starts at 0, outside [1, 2]")
 def _outside(root: Any) -> None:
-    variable(root, "parameter")[0].set("start", "99999")
+    kind = {"causality": "parameter", "variability": "fixed"}
+    add_variable(root, "count", kind, "Integer", start="0", min="1", max="2")
 
 
-@description("X34", "starts at 7, which is none of [1, 2]")
+@description("X34", "starts at 0, which is none of [1, 2]")
 def _no_item(root: Any) -> None:
     add_types(root, MODES.format(2) + "</SimpleType>")
     kind = {"causality": "parameter", "variability": "fixed"}
-    add_variable(root, "mode", kind, "Enumeration", declaredType="Mode", start="7")
+    add_variable(root, "mode", kind, "Enumeration", declaredType="Mode", start="0")
 
 
 @description("X35", "has min 2.0 and max 1.0")
