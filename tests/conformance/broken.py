@@ -383,8 +383,7 @@ def _nan(root: Any) -> None:
 
 @description("X33", "variable count starts at 0, outside [1, 2]")
 def _outside(root: Any) -> None:
-    kind = {"causality": "parameter", "variability": "fixed"}
-    add_variable(root, "count", kind, "Integer", start="0", min="1", max="2")
+    add_variable(root, "count", DISCRETE | {"initial": "exact"}, "Integer", start="0", min="1", max="2")
 
 
 @description("X34", "starts at 0, which is none of [1, 2]")
