@@ -134,6 +134,9 @@ def test_command_writes_the_bundle_beside_the_fmu(tmp_path: Path) -> None:
     subprocess.run(line, cwd=ROOT, check=True, capture_output=True)
     expected = ["Imu.fmu", "Imu_in.csv", "Imu_readme.txt", "Imu_ref.csv", "Imu_ref.opt"]
     assert sorted(path.name for path in tmp_path.iterdir()) == expected
+    component = next(c for c in CATALOGUE if c.interface.name == "Imu")
+    again = build(component, tmp_path / "elsewhere", bundle=True).parent
+    assert all((again / name).read_bytes() == (tmp_path / name).read_bytes() for name in expected)
 
 
 def test_component_without_a_reference_run_gets_no_bundle(tmp_path: Path) -> None:
