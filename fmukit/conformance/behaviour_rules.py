@@ -17,7 +17,7 @@ _ROUNDING = 1e-6
 
 
 @B.add(
-    "two runs give the same numbers, bit for bit",
+    "Two runs give the same numbers, bit for bit",
     "good practice",
     "let random numbers come from a seed that is a parameter, use no clock, and initialise all memory",
 )
@@ -29,7 +29,7 @@ def determinism(bench: Bench) -> Iterator[str]:
 
 
 @B.add(
-    "start values are respected",
+    "Start values are respected",
     "2.2.7",
     "let a new instance have the start values of the model description in all variables with initial=exact",
 )
@@ -48,7 +48,7 @@ def start_values(bench: Bench) -> Iterator[str]:
 
 
 @B.add(
-    "outputs are finite",
+    "Outputs are finite",
     "good practice",
     "give outputs a finite value at the start, and look for a division by zero or an unstable equation",
 )
@@ -61,7 +61,7 @@ def finite(bench: Bench) -> Iterator[str]:
 
 
 @B.add(
-    "what is set can be read back",
+    "What is set can be read back",
     "2.1.7",
     "let fmi2GetXXX return exactly what fmi2SetXXX stored, also before initialisation",
 )
@@ -111,7 +111,7 @@ def _plain(value: object) -> object:
 
 
 @B.add(
-    "sampled outputs do not depend on how the host cuts time into steps",
+    "Sampled outputs do not depend on how the host cuts time into steps",
     "4.2.2",
     "sample on a grid of accumulated time, not once per fmi2DoStep: a host may take half or double steps",
 )
@@ -129,7 +129,7 @@ def step_size_invariance(bench: Bench) -> Iterator[str]:
 
 
 @B.add(
-    "continuous outputs converge as the host's steps shrink",
+    "Continuous outputs converge as the host's steps shrink",
     "4.2.2",
     "integrate over the step given, with inner steps short enough; do not count calls",
 )

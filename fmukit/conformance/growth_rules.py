@@ -23,15 +23,15 @@ _PAGE = 4096
 _ME = Path("/proc/self")
 
 
-def use(bench: Bench, cycles: int) -> int:
-    """Instantiate, run and free that often, but not for ever; how often it was."""
+def use(bench: Bench, cycles: int, patience: float = _PATIENCE) -> int:
+    """Instantiate, run and free that often, or for `patience` [s] if that is shorter; how often it was."""
     plan = replace(bench.plan, rows=bench.plan.rows[:_STEPS])
     began = monotonic()
     for cycle in range(cycles):
         bench.life(plan)
         if cycle % 10 == 9:
             gc.collect()
-        if monotonic() - began > _PATIENCE:
+        if monotonic() - began > patience:
             return cycle + 1
     return cycles
 
@@ -74,7 +74,7 @@ def _none(bench: Bench, what: str, words: str) -> Iterator[str]:
 
 
 @B.add(
-    "memory does not grow",
+    "Memory does not grow",
     "2.1.5",
     "free all memory of an instance in fmi2FreeInstance",
 )
@@ -85,7 +85,7 @@ def memory(bench: Bench) -> Iterator[str]:
 
 
 @B.add(
-    "file handles are closed",
+    "File handles are closed",
     "2.1.5",
     "close files, sockets and pipes no later than in fmi2FreeInstance",
 )
@@ -94,7 +94,7 @@ def handles(bench: Bench) -> Iterator[str]:
 
 
 @B.add(
-    "threads end",
+    "Threads end",
     "2.1.5",
     "stop and join the threads of an instance no later than in fmi2FreeInstance",
 )
@@ -114,7 +114,7 @@ def module_path(bench: Bench) -> Iterator[str]:
 
 
 @B.add(
-    "no files are left behind",
+    "No files are left behind",
     "good practice",
     "delete temporary files no later than in fmi2FreeInstance, and write none into the working folder",
 )

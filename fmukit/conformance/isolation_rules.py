@@ -18,7 +18,7 @@ I: Rules[Bench] = Rules("I")  # noqa: E741  (the letter of the group)
 
 
 @I.add(
-    "it needs no packages of the host",
+    "It needs no packages of the host",
     "good practice",
     "embed what the FMU imports, or name the packages it needs in resources/requirements.txt",
 )
@@ -39,7 +39,7 @@ def no_host_packages(bench: Bench) -> Iterator[str]:
 
 
 @I.add(
-    "a copy and other FMUs in the process change nothing, in any order",
+    "A copy and other FMUs in the process change nothing, in any order",
     "good practice",
     "give embedded modules names no other FMU has (a content hash), import them relatively, keep no global data",
 )
@@ -72,7 +72,7 @@ def _in_company(sequence: list[list[Bench]], alone: dict[int, list[host.Row]]) -
 
 
 @I.add(
-    "modules of the same names in another FMU or in the host change nothing",
+    "Modules of the same names in another FMU or in the host change nothing",
     "good practice",
     "put the embedded modules into a package whose name carries a content hash, and import them relatively",
 )

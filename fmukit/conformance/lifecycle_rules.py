@@ -13,7 +13,7 @@ _LIVES = 10
 
 
 @L.add(
-    "an instance can be made and freed",
+    "An instance can be made and freed",
     "2.1.5",
     "make fmi2Instantiate return an instance and fmi2FreeInstance release it without touching anything else",
 )
@@ -24,7 +24,7 @@ def made_and_freed(bench: Bench) -> Iterator[str]:
 
 
 @L.add(
-    "a whole life from instantiate to free succeeds",
+    "A whole life from instantiate to free succeeds",
     "4.2.4",
     "let every call of the usual order return fmi2OK: instantiate, setupExperiment, enter and exit initialisation, "
     "steps, terminate, free",
@@ -35,7 +35,7 @@ def whole_life(bench: Bench) -> Iterator[str]:
 
 
 @L.add(
-    "an instance can be freed in every state",
+    "An instance can be freed in every state",
     "2.1.5",
     "let fmi2FreeInstance release an instance that was never initialised or is in the middle of a run",
 )
@@ -49,7 +49,7 @@ def freed_in_every_state(bench: Bench) -> Iterator[str]:
 
 
 @L.add(
-    "outputs can be read in every state after instantiation",
+    "Outputs can be read in every state after instantiation",
     "4.2.4",
     "let fmi2GetXXX succeed in initialisation mode, between steps and after terminate",
 )
@@ -64,7 +64,7 @@ def read_in_every_state(bench: Bench) -> Iterator[str]:
 
 
 @L.add(
-    "reset brings every state back to a new instance",
+    "Reset brings every state back to a new instance",
     "2.1.6",
     "let fmi2Reset restore all variables and all hidden state to what fmi2Instantiate makes",
 )
@@ -75,7 +75,7 @@ def reset(bench: Bench) -> Iterator[str]:
 
 
 @L.add(
-    "one life after the other gives the same numbers",
+    "One life after the other gives the same numbers",
     "2.1.5",
     "keep all data in the instance; nothing of one instance may outlive it in global variables",
 )
@@ -89,7 +89,7 @@ def repeated_lives(bench: Bench) -> Iterator[str]:
 
 
 @L.add(
-    "several instances at once do not disturb each other",
+    "Several instances at once do not disturb each other",
     "2.1.5",
     "keep all data in the instance, none in global or module variables; or declare canBeInstantiatedOnlyOncePerProcess",
 )
@@ -123,7 +123,7 @@ def _in_turns(bench: Bench) -> str:
 
 
 @L.add(
-    "a process that ran the FMU ends in peace",
+    "A process that ran the FMU ends in peace",
     "good practice",
     "release what the library holds once only; look at static destructors and at functions called at exit",
 )

@@ -26,7 +26,7 @@ _ORDER = (
 
 
 @L.add(
-    "doStep is refused outside the stepping state",
+    "DoStep is refused outside the stepping state",
     "4.2.4",
     "remember the state of the instance; refuse fmi2DoStep with a message before initialisation and after terminate",
 )
@@ -39,7 +39,7 @@ def step_in_its_place(bench: Bench) -> Iterator[str]:
 
 
 @L.add(
-    "changes of state out of order are refused",
+    "Changes of state out of order are refused",
     "4.2.4",
     "remember the state of the instance; refuse to enter or leave initialisation or to terminate out of order",
 )
@@ -49,7 +49,7 @@ def order(bench: Bench) -> Iterator[str]:
 
 
 @L.add(
-    "nothing can be set after terminate",
+    "Nothing can be set after terminate",
     "4.2.4",
     "refuse fmi2SetXXX with a message after fmi2Terminate",
 )
@@ -59,7 +59,7 @@ def set_after_terminate(bench: Bench) -> Iterator[str]:
 
 
 @L.add(
-    "steps that do not go forward are refused",
+    "Steps that do not go forward are refused",
     "4.2.2",
     "refuse fmi2DoStep with a step that is zero, negative, infinite or not a number",
 )
@@ -71,7 +71,7 @@ def impossible_steps(bench: Bench) -> Iterator[str]:
 
 
 @L.add(
-    "outputs and fixed parameters cannot be set during the run",
+    "Outputs and fixed parameters cannot be set during the run",
     "2.2.7",
     "refuse fmi2SetXXX on outputs, and on fixed parameters once initialised, with a message",
 )
@@ -82,7 +82,7 @@ def set_what_is_fixed(bench: Bench) -> Iterator[str]:
 
 
 @L.add(
-    "value references that do not exist are refused",
+    "Value references that do not exist are refused",
     "2.1.7",
     "check value references before using them as an index",
 )
@@ -96,7 +96,7 @@ def unknown_references(bench: Bench) -> Iterator[str]:
 
 
 @L.add(
-    "a GUID of another model is refused",
+    "A GUID of another model is refused",
     "2.1.5",
     "compare the GUID given to fmi2Instantiate with that of the model description; return no instance if they differ",
 )

@@ -17,7 +17,7 @@ _FLIPS = 40
 
 
 @B.add(
-    "a restored FMU state replays the run exactly",
+    "A restored FMU state replays the run exactly",
     "2.1.8",
     "put everything the future depends on into the FMU state, also what is not a variable",
 )
@@ -47,7 +47,7 @@ def _replay_in_place(bench: Bench) -> Iterator[str]:
 
 
 @B.add(
-    "a serialised FMU state replays in another instance",
+    "A serialised FMU state replays in another instance",
     "2.1.8",
     "serialise all of the FMU state, not only the variables",
 )
@@ -74,7 +74,7 @@ def _replay_elsewhere(bench: Bench) -> Iterator[str]:
 
 
 @B.add(
-    "a serialised FMU state replays in another process",
+    "A serialised FMU state replays in another process",
     "2.1.8",
     "let the bytes stand on their own: no pointers, no indices into memory of the process that wrote them",
 )
@@ -89,7 +89,7 @@ def replay_in_another_process(bench: Bench) -> Iterator[str]:
 
 
 @B.add(
-    "damaged or foreign bytes are refused as FMU state",
+    "Damaged or foreign bytes are refused as FMU state",
     "good practice",
     "put a checksum and the GUID into the bytes, and check them and the length before using anything",
 )

@@ -30,7 +30,7 @@ def not_finite(bench: Bench) -> Iterator[str]:
 
 
 @B.add(
-    "values outside min and max are refused",
+    "Values outside min and max are refused",
     "2.2.7",
     "compare every value set with the declared min and max; refuse it with a message and keep the old value",
 )
@@ -110,7 +110,7 @@ def _objecting(bench: Bench, variable: Variable, value: float, state: str) -> Ca
 
 
 @B.add(
-    "a % in a text is not taken for a format",
+    "A % in a text is not taken for a format",
     "2.1.5",
     'hand text to the logger as logger(..., "%s", text), or double each %: hosts treat the message as a printf format',
 )
