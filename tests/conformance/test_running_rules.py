@@ -101,6 +101,7 @@ def test_two_fmus_that_share_module_names_disturb_each_other(good: Path, tmp_pat
         )
     found = {f.rule.check.__name__: f for f in run_groups(files[0], others=files[1:])}
     assert found["any_order"].status == "fail"
+    assert "differs" in " ".join(found["any_order"].seen)
 
 
 def test_what_cannot_be_run_is_skipped_with_the_reason(tmp_path: Path) -> None:
