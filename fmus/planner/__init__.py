@@ -1,0 +1,1 @@
+"""Time-optimal planning before the drive: README.md. A library; `hocp.plan` is the entry."""

@@ -1,0 +1,47 @@
+"""What a plan is worth: its path on a finer grid, and a replay by an independent integrator."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from fmus.planner.gates import Array
+from fmus.planner.program import Nodes
+from fmus.planner.shooting import interval
+from fmus.planner.vehicle import Vehicle
+
+FINER = 10
+
+
+def fine(vehicle: Vehicle, nodes: Nodes, substeps: int, finer: int = FINER) -> tuple[Array, Array, Array]:
+    """(times (n,), states (7, n), inputs (n_u, n)) at `finer` points per interval and at the end.
+
+    Every interval starts from its own node and is integrated with `substeps` substeps between two points.
+    """
+    m = len(nodes.T)
+    parts, x = [nodes.x[:, :m]], nodes.x[:, :m]
+    step = interval(vehicle.f, max(1, substeps)).map(m)
+    for _ in range(finer - 1):
+        x = step(x, nodes.u, nodes.T[None, :] / finer).full()
+        parts.append(x)
+    states = np.stack(parts, axis=2).reshape(len(x), -1)
+    times = nodes.times[:-1, None] + nodes.T[:, None] * np.arange(finer) / finer
+    inputs = np.repeat(nodes.u, finer, axis=1)
+    return (
+        np.append(times.ravel(), nodes.times[-1]),
+        np.column_stack([states, nodes.x[:, -1]]),
+        np.column_stack([inputs, nodes.u[:, -1]]),
+    )
+
+
+def replay(vehicle: Vehicle, nodes: Nodes) -> float:
+    """Largest distance [m] from the nodes when the inputs are replayed from the first state by DOP853 of SciPy."""
+    x, worst = nodes.x[:, 0], 0.0
+    for k, T in enumerate(nodes.T):
+        x = solve_ivp(_motion, (0, T), x, method="DOP853", rtol=1e-9, atol=1e-9, args=(vehicle, nodes.u[:, k])).y[:, -1]
+        worst = max(worst, float(np.hypot(*(x[:2] - nodes.x[:2, k + 1]))))
+    return worst
+
+
+def _motion(_: float, x: Array, vehicle: Vehicle, u: Array) -> Array:
+    return vehicle.f(x, u).full().ravel()

@@ -1,0 +1,60 @@
+"""A road as the planner sees it: gates across it, each a line with the part the centre of gravity may cross."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fmus.planner.errors import PlanningError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Gates:
+    """n gates: `frames` (n, 3) position x, y [m] and continuous heading [rad]; `low`, `high` (n,) [m], lateral.
+
+    Lateral positions count to the left of the frame's origin. `closed`: the last gate is the first.
+    """
+
+    frames: Array
+    low: Array
+    high: Array
+    closed: bool = False
+
+    @property
+    def steps(self) -> Array:
+        """(n-1, 3) each gate as seen from the one before: displacement forward and left [m], turn [rad]."""
+        change, heading = np.diff(self.frames, axis=0), self.frames[:-1, 2]
+        c, s = np.cos(heading), np.sin(heading)
+        forward, left = c * change[:, 0] + s * change[:, 1], c * change[:, 1] - s * change[:, 0]
+        return np.column_stack([forward, left, change[:, 2]])
+
+    def point(self, lateral: Array) -> Array:
+        """(n, 2) points at the lateral positions (n,)."""
+        heading = self.frames[:, 2]
+        return self.frames[:, :2] + np.column_stack([-np.sin(heading), np.cos(heading)]) * lateral[:, None]
+
+
+def checked(gates: Gates) -> Gates:
+    """The gates, if a car fits through each and none crosses the next within the road; else raises PlanningError."""
+    narrow = gates.high - gates.low
+    k = int(np.argmin(narrow))
+    if narrow[k] < 0:
+        x, y = gates.point(0.5 * (gates.low + gates.high))[k]
+        raise PlanningError(
+            f"the corridor is narrower than the car by {-narrow[k]:.2f} m near x = {x:.1f} m, y = {y:.1f} m; "
+            "widen it or reduce the clearance"
+        )
+    steps, turn = gates.steps, np.sin(gates.steps[:, 2])
+    for edge in (gates.low, gates.high):
+        ahead = steps[:, 0] - turn * edge[1:]
+        if (ahead <= 0).any():
+            x, y = gates.frames[int(np.argmin(ahead)), :2]
+            raise PlanningError(
+                f"the road turns too sharply for its width near x = {x:.1f} m, y = {y:.1f} m; "
+                "narrow it there, smooth the centre line or take fewer intervals"
+            )
+    return gates
