@@ -36,10 +36,20 @@ def solver(program: Program, options: dict[str, Any], *, compile_: bool = True) 
     if not compile_:
         return Solver(ca.nlpsol("plan", "ipopt", program.nlp, options), "interpreted", perf_counter() - start)
     try:
-        call, how = ca.nlpsol("plan", "ipopt", str(_library(program)), options), "compiled"
+        call, how = _load(program, options), "compiled"
     except (BuildError, OSError) as error:
         call, how = ca.nlpsol("plan", "ipopt", program.nlp, options), f"interpreted, because {error}"
     return Solver(call, how, perf_counter() - start)
+
+
+def _load(program: Program, options: dict[str, Any]) -> ca.Function:
+    """The solver on the library; a damaged library is made anew."""
+    path = _library(program)
+    try:
+        return ca.nlpsol("plan", "ipopt", str(path), options)
+    except RuntimeError:
+        _make(program, path)
+        return ca.nlpsol("plan", "ipopt", str(path), options)
 
 
 def _library(program: Program) -> Path:

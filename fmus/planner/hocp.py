@@ -63,9 +63,9 @@ class Plan:
         """[s]."""
         return float(self.nodes.times[-1])
 
-    def replay_error(self) -> float:
-        """Largest position error [m] of a replay by an independent integrator."""
-        return check.replay(self.vehicle, self.nodes)
+    def replay_error(self, *, restart: bool = False) -> float:
+        """Largest position error [m] of a replay by an independent integrator; see `check.replay`."""
+        return check.replay(self.vehicle, self.nodes, restart=restart)
 
 
 def plan(

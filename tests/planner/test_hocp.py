@@ -1,0 +1,215 @@
+"""Time-optimal plans against reference values, closed forms and other integrators."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from gerdts_form import gerdts
+from scipy.integrate import quad, solve_ivp
+
+from fmukit.build import compiler
+from fmukit.build.errors import BuildError
+from fmus.controllers.reference.interface import COLUMNS
+from fmus.planner import hocp, trajectory
+from fmus.planner.errors import PlanningError
+from fmus.planner.hocp import Grid, Plan, Settings, plan
+from fmus.planner.path_road import PathRoad
+from fmus.planner.program import Ends, standing_ends
+from fmus.planner.road import double_lane_change
+from fmus.planner.vehicle import gear_shift_car, two_wheel_drive
+from fmus.single_track.data import car
+
+CAR = two_wheel_drive(car())
+INTERPRETED = Settings(compile=False)
+FREE = np.nan
+
+
+@pytest.fixture(scope="module")
+def gate_80() -> Plan:
+    return plan(CAR, double_lane_change(), 80, settings=INTERPRETED)
+
+
+def test_gate_grid(gate_80: Plan) -> None:
+    assert gate_80.status == "Solve_Succeeded" and gate_80.how == "interpreted"
+    assert gate_80.final_time == pytest.approx(7.1868, abs=5e-4)
+    assert gate_80.nodes.x[2, -1] == pytest.approx(36.9, abs=0.05)
+    assert gate_80.iterations < 60
+    assert 0 < gate_80.violation < 0.08, "between the nodes the road is left by a little, and this is reported"
+
+
+def test_time_grid() -> None:
+    found = plan(CAR, double_lane_change(), 80, settings=replace(INTERPRETED, grid="time"))
+    assert found.final_time == pytest.approx(7.1870, abs=5e-4)
+    np.testing.assert_allclose(found.nodes.T, found.final_time / 80, rtol=1e-12)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize(("grid", "seconds"), [("gate", 7.1880), ("time", 7.1882)])
+def test_finer_mesh(grid: Grid, seconds: float) -> None:
+    found = plan(CAR, double_lane_change(), 160, settings=Settings(grid=grid))
+    assert found.final_time == pytest.approx(seconds, abs=5e-4)
+    assert found.violation < 0.03
+
+
+def gear_shift(m: int, substeps: int, *, compile_: bool = False) -> Plan:
+    road = double_lane_change(1.0, 0.75, 1.5, "cubic")
+    settings = Settings(grid="time", substeps=substeps, smoothing=0.0, compile=compile_)
+    return plan(gear_shift_car(car()), road, m, settings=settings)
+
+
+@pytest.mark.parametrize(("m", "substeps", "seconds"), [(10, 16, 6.7983), (20, 8, 6.7789), (40, 4, 6.7863)])
+def test_published_gear_shift_drive(m: int, substeps: int, seconds: float) -> None:
+    found = gear_shift(m, substeps)
+    assert found.final_time == pytest.approx(seconds, abs=1e-3)
+    weights = np.vstack([1 - found.nodes.u[3:].sum(axis=0), found.nodes.u[3:]])
+    gears = weights.argmax(axis=0) + 1
+    assert weights.min() > -1e-6
+    assert (np.diff(gears) >= 0).all() and gears[-1] >= 3
+    if m < 40:
+        assert weights.max(axis=0).min() > 0.99, "a gear is mixed"
+    if m == 10:
+        assert "".join(map(str, gears)) == "1222333333"
+
+
+@pytest.mark.nightly
+def test_published_gear_shift_drive_finest() -> None:
+    assert gear_shift(80, 2, compile_=True).final_time == pytest.approx(6.7887, abs=1e-3)
+
+
+def test_replay_with_the_published_equations(gate_80: Plan) -> None:
+    """Other equations (numpy, other sign of sideslip) and another integrator, over the whole drive."""
+    nodes, mirror = gate_80.nodes, np.array([1, 1, 1, -1, 1, 1, 1])
+    x = mirror * nodes.x[:, 0]
+    for k, T in enumerate(nodes.T):
+        x = solve_ivp(lambda _, z, k=k: gerdts(z, nodes.u[:, k]), (0, T), x, "DOP853", rtol=1e-9, atol=1e-9).y[:, -1]
+        assert np.hypot(*(x - nodes.x[:, k + 1])[:2]) < 0.01
+    assert gate_80.replay_error() < 0.01
+
+
+def test_straight_road_is_the_closed_form() -> None:
+    """Full drive all the way: t is the integral of ds/v, with v from the balance of forces."""
+    points = np.column_stack([np.linspace(0, 170, 18), np.zeros(18)])
+    found = plan(CAR, PathRoad(points, np.full((18, 2), 3.0)), 40, settings=replace(INTERPRETED, smoothing=0.0))
+    data = car()
+
+    def pull(v: float) -> float:
+        f_r = 9e-3 + 7.2e-5 * v + 5.038848e-10 * v**4
+        return (5000 - f_r * data.m * data.g - data.drag * v**2) / data.m
+
+    end = solve_ivp(lambda s, v: pull(v[0]) / v, (0, 170), [10.0], rtol=1e-10).y[0, -1]
+    assert found.nodes.x[2, -1] == pytest.approx(end, abs=1e-3)
+    assert found.final_time == pytest.approx(quad(lambda v: 1 / pull(v), 10, end)[0], abs=1e-4)
+
+
+def bend(angle: float = 0.0) -> PathRoad:
+    """Straight, a left turn of 30 m radius, straight; turned by `angle` about the origin."""
+    curvature = np.where((np.arange(33) >= 8) & (np.arange(33) < 18), 1 / 30, 0)
+    line = np.cumsum(5 * np.exp(1j * (np.cumsum(curvature) * 5 + angle)))
+    return PathRoad(np.column_stack([line.real, line.imag]), np.full((33, 2), 3.0))
+
+
+def test_a_road_may_lie_anywhere() -> None:
+    here, there = (plan(CAR, bend(angle), 30, settings=INTERPRETED) for angle in (0.0, 2.9))
+    assert here.final_time == pytest.approx(there.final_time, abs=1e-6)
+    turned = np.exp(2.9j) * (here.nodes.x[0] + 1j * here.nodes.x[1])
+    np.testing.assert_allclose(turned, there.nodes.x[0] + 1j * there.nodes.x[1], atol=1e-3)
+    assert here.violation < 0.05
+
+
+def test_closed_road_ends_as_it_begins() -> None:
+    angle = np.linspace(0, 2 * np.pi, 40, endpoint=False)
+    oval = PathRoad(np.column_stack([60 * np.cos(angle), 40 * np.sin(angle)]), np.full((40, 2), 3.0), closed=True)
+    free = np.array([0, *[FREE] * 6])
+    found = plan(CAR, oval, 40, Ends(free, free), INTERPRETED)
+    change = found.nodes.x[:, -1] - found.nodes.x[:, 0]
+    np.testing.assert_allclose(change, [0, 0, 0, 0, 2 * np.pi, 0, 0], atol=1e-6)
+
+
+def test_refinement_warm_starts() -> None:
+    plans = hocp.refine(CAR, double_lane_change(), (20, 40), settings=INTERPRETED)
+    cold = plan(CAR, double_lane_change(), 40, settings=INTERPRETED)
+    assert plans[1].final_time == pytest.approx(cold.final_time, abs=1e-5)
+    assert plans[1].violation < plans[0].violation
+    assert plans[1].iterations <= cold.iterations + 5
+
+
+def test_compiled_is_the_same_and_cached(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    _compiler_needed()
+    monkeypatch.setattr("fmus.planner.compiled.cache_folder", lambda: tmp_path)
+    first = plan(CAR, double_lane_change(), 20)
+    (library,) = tmp_path.glob("plan-*/nlp.so")
+    made = library.stat().st_mtime_ns
+    again = plan(CAR, double_lane_change(), 20)
+    assert library.stat().st_mtime_ns == made
+    by_hand = plan(CAR, double_lane_change(), 20, settings=INTERPRETED)
+    assert (first.how, again.how) == ("compiled", "compiled")
+    assert first.final_time == pytest.approx(by_hand.final_time, abs=1e-7)
+    library.unlink()
+    library.write_bytes(b"half a file")
+    assert plan(CAR, double_lane_change(), 20).how == "compiled"
+
+
+def test_other_roads_share_the_code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    _compiler_needed()
+    monkeypatch.setattr("fmus.planner.compiled.cache_folder", lambda: tmp_path)
+    for road in (double_lane_change(), double_lane_change(clearance=0.7), bend()):
+        plan(CAR, road, 20)
+    assert len(list(tmp_path.glob("plan-*/nlp.so"))) == 1
+
+
+def test_without_a_compiler(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def none(_: str) -> tuple[str, ...]:
+        raise BuildError("there is no compiler")
+
+    monkeypatch.setattr("fmus.planner.compiled.cache_folder", lambda: tmp_path)
+    monkeypatch.setattr(compiler, "command", none)
+    compiler.identity.cache_clear()
+    found = plan(CAR, double_lane_change(), 20)
+    assert found.how == "interpreted, because there is no compiler"
+
+
+def test_trajectory_file(gate_80: Plan, tmp_path: Path) -> None:
+    file = tmp_path / "plan.csv"
+    trajectory.write(gate_80, file)
+    assert file.read_text().splitlines()[0] == ",".join(COLUMNS)
+    t, x, y, course, v, a, curvature = np.loadtxt(file, delimiter=",", skiprows=1).T
+    assert len(t) == 801 and (np.diff(t) > 0).all() and len(t) <= 4000
+    np.testing.assert_allclose([x[0], x[-1], t[-1]], [-30, 140, gate_80.final_time], atol=1e-6)
+    along = np.cumsum(0.5 * (v[1:] + v[:-1]) * np.diff(t))
+    path = np.concatenate([[0], along])
+    inside = np.abs(np.gradient(curvature, t)) < 3  # away from the jumps of the inputs
+    np.testing.assert_allclose(
+        np.unwrap(np.arctan2(np.gradient(y, t), np.gradient(x, t)))[1:-1], course[1:-1], atol=5e-3
+    )
+    np.testing.assert_allclose(np.gradient(course, path)[inside], curvature[inside], atol=5e-3)
+    assert v[-1] ** 2 - v[0] ** 2 == pytest.approx(2 * np.sum(0.5 * (a[1:] + a[:-1]) * np.diff(path)), rel=0.01)
+
+
+def test_what_cannot_be_planned() -> None:
+    road = double_lane_change()
+    with pytest.raises(PlanningError, match=r"no motion of this car follows this road .*IPOPT"):
+        plan(CAR, road, 20, standing_ends(55.0), INTERPRETED)
+    with pytest.raises(PlanningError, match=r"the speed at the start is 70; it must be in \[3, 60\]"):
+        plan(CAR, road, 20, standing_ends(70.0))
+    with pytest.raises(PlanningError, match="the lateral position at the start is 9"):
+        plan(CAR, road, 20, Ends(np.array([0, 9, 10, 0, 0, 0, 0]), standing_ends().last))
+    with pytest.raises(PlanningError, match="narrower than the car"):
+        plan(CAR, double_lane_change(clearance=1.3, width=1.5), 20)
+    with pytest.raises(PlanningError, match="at least 2 intervals"):
+        plan(CAR, road, 1)
+    with pytest.raises(PlanningError, match="use the gate grid"):
+        plan(CAR, bend(), 20, settings=Settings(grid="time"))
+    with pytest.raises(PlanningError, match="Maximum_Iterations_Exceeded after 3 iterations"):
+        plan(CAR, road, 20, settings=replace(INTERPRETED, max_iterations=3))
+    with pytest.raises(PlanningError, match="cannot be written"):
+        trajectory.write(plan(CAR, road, 20, settings=INTERPRETED), Path("/no/such/folder/plan.csv"))
+
+
+def _compiler_needed() -> None:
+    try:
+        compiler.command(compiler.host_platform())
+    except BuildError as error:
+        pytest.skip(str(error))
