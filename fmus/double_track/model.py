@@ -66,12 +66,12 @@ def motion(car: DoubleTrackCar, x: ca.SX, u: ca.SX, a: ca.SX, friction: float | 
 
 
 def function(car: DoubleTrackCar, friction: float | None = None) -> ca.Function:
-    """f(x, u, a) -> x_dot, acceleration, F_z, F_l, F_t, alpha; kept as one call in larger graphs."""
+    """f(x, u, a) -> x_dot, acceleration, F_z, F_l, F_t, alpha."""
     x, u, a = ca.SX.sym("x", len(STATES)), ca.SX.sym("u", len(INPUTS)), ca.SX.sym("a", 2)
     found = motion(car, x, u, a, friction)
     names = ["x_dot", "acceleration", "F_z", "F_l", "F_t", "alpha"]
     values = ca.cse([getattr(found, name) for name in names])
-    return ca.Function("double_track", [x, u, a], values, ["x", "u", "a"], names, {"never_inline": True})
+    return ca.Function("double_track", [x, u, a], values, ["x", "u", "a"], names)
 
 
 def _lateral_forces(car: DoubleTrackCar, alpha: ca.SX, F_z: ca.SX) -> ca.SX:

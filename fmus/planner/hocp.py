@@ -144,6 +144,7 @@ def _options(settings: Settings, *, warm: bool) -> dict[str, Any]:
     ipopt: dict[str, Any] = {
         "max_iter": settings.max_iterations,
         "tol": settings.tolerance,
+        "mu_strategy": "adaptive",
         "print_level": 0,
         "sb": "yes",
     }

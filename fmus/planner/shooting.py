@@ -18,10 +18,10 @@ def interval(f: ca.Function, substeps: int) -> ca.Function:
 
 
 def _substep(f: ca.Function) -> ca.Function:
-    x, u, h = ca.MX.sym("x", f.size1_in(0)), ca.MX.sym("u", f.size1_in(1)), ca.MX.sym("h")
+    x, u, h = ca.SX.sym("x", f.size1_in(0)), ca.SX.sym("u", f.size1_in(1)), ca.SX.sym("h")
     k1 = f(x, u)
     k2 = f(x + h / 2 * k1, u)
     k3 = f(x + h / 2 * k2, u)
     k4 = f(x + h * k3, u)
-    end = x + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+    end = ca.cse(x + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4))
     return ca.Function("substep", [x, u, h], [end], {"never_inline": True})

@@ -36,4 +36,4 @@ def function(car: Car) -> ca.Function:
     M_w = sum(w * wheel_torque(car, x[2], u[2], gear) for w, gear in zip(weights, GEARS, strict=True))
     forces = ca.vertcat(u[0], -2 / 3 * u[1], M_w / car.R - u[1] / 3)
     x_dot = ca.cse(derivative(car, x, forces))
-    return ca.Function("gear_shift", [x, u], [x_dot], ["x", "u"], ["x_dot"], {"never_inline": True})
+    return ca.Function("gear_shift", [x, u], [x_dot], ["x", "u"], ["x_dot"])

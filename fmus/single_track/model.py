@@ -35,7 +35,7 @@ def derivative(car: Car, x: ca.SX, u: ca.SX, friction: float | None = None) -> c
 
 
 def function(car: Car, friction: float | None = None) -> ca.Function:
-    """f(x, u) -> x_dot; kept as one call in larger graphs, which compile several times faster so."""
+    """f(x, u) -> x_dot."""
     x, u = ca.SX.sym("x", len(STATES)), ca.SX.sym("u", len(INPUTS))
     x_dot = ca.cse(derivative(car, x, u, friction))
-    return ca.Function("single_track", [x, u], [x_dot], ["x", "u"], ["x_dot"], {"never_inline": True})
+    return ca.Function("single_track", [x, u], [x_dot], ["x", "u"], ["x_dot"])
