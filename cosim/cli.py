@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 import typer
 
 from cosim.errors import CosimError, because
+from cosim.plan_cli import plan_command
 from cosim.schedule import Scheme
 
 if TYPE_CHECKING:
@@ -135,6 +136,9 @@ def export(
     scenario = scenarios.load(name)
     request = Request(scenario, target.parent, parse_assignments(assignments or []), seed, stop_time)
     print(export_ssp(request, target))
+
+
+app.command("plan")(plan_command)
 
 
 def _draw(scenario: Scenario, results: Results, file: Path) -> None:

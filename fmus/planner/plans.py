@@ -1,0 +1,41 @@
+"""Plans by name, for the command line: a built-in road, or the file of a centre line."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+from fmus.planner import hocp
+from fmus.planner.errors import PlanningError
+from fmus.planner.hocp import Grid, Plan, Settings
+from fmus.planner.path_road import read_road
+from fmus.planner.program import standing_ends
+from fmus.planner.road import Corridor, double_lane_change
+from fmus.planner.vehicle import two_wheel_drive
+from fmus.single_track.data import car
+
+ROADS: dict[str, Callable[[], Corridor]] = {
+    "double-lane-change": double_lane_change,
+    "test-drive": lambda: double_lane_change(1.0, 0.75, 1.5, "cubic"),
+}
+"""The roads known by name; `test-drive` is the published one with its sharp edges."""
+
+
+def named(name: str, m: int, grid: Grid, speed: float) -> Plan:
+    """The plan of the default car from `speed` [m/s] on the road `name`, a name of `ROADS` or a CSV file."""
+    if math.isnan(speed):
+        raise PlanningError("give a speed at the start, in m/s")
+    ends = standing_ends(speed)
+    return hocp.plan(two_wheel_drive(car()), _road(name), m, ends, Settings(grid=grid))
+
+
+def _road(name: str) -> hocp.Road:
+    if name in ROADS:
+        return ROADS[name]()
+    if Path(name).suffix == ".csv":
+        return read_road(Path(name))
+    close = difflib.get_close_matches(name, ROADS, n=1, cutoff=0.5)
+    hint = f"did you mean {close[0]}?" if close else f"known are {', '.join(ROADS)}, or give the CSV file of a road"
+    raise PlanningError(f"unknown road {name!r}; {hint}")
