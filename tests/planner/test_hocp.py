@@ -12,8 +12,11 @@ from scipy.integrate import quad, solve_ivp
 
 from fmukit.build import compiler
 from fmukit.build.errors import BuildError
+from fmukit.direct import Direct
+from fmus.controllers.reference import COMPONENT
 from fmus.controllers.reference.interface import COLUMNS
 from fmus.planner import hocp, trajectory
+from fmus.planner.check import fine
 from fmus.planner.errors import PlanningError
 from fmus.planner.hocp import Grid, Plan, Settings, plan
 from fmus.planner.path_road import PathRoad
@@ -213,3 +216,15 @@ def _compiler_needed() -> None:
         compiler.command(compiler.host_platform())
     except BuildError as error:
         pytest.skip(str(error))
+
+
+def test_reference_trajectory_plays_the_plan(gate_80: Plan) -> None:
+    """Between its rows too, where an integrator from the nodes says what is right."""
+    player = Direct(COMPONENT, table=trajectory.table(gate_80))
+    times, x, _ = fine(CAR, gate_80.nodes, 2, 37)
+    for _ in range(350):
+        player.sample(0.02)
+        t = (player.samples - 1) * 0.02
+        expected = [np.interp(t, times, row) for row in (x[0], x[1], x[3] + x[4], x[2])]
+        seen = [player[f"reference.{name}"] for name in ("x", "y", "course", "speed")]
+        assert seen == pytest.approx(expected, abs=2e-3)
