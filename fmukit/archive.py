@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import re
 import stat
 import zipfile
@@ -16,6 +17,7 @@ MAX_BYTES = 1 << 30
 MAX_XML = 64 << 20
 MAX_RATIO = 200  # of entries larger than _SMALL: text and code stay below 20, files of zeros reach 1000
 _SMALL = 16 << 20
+_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # the others are unpacked without a limit on their output
 _BLOCK = 1 << 20
 _ENCODING = re.compile(rb"""^\s*<\?xml[^>]*?encoding\s*=\s*["']([^"']*)["']""")
 
@@ -33,8 +35,11 @@ def entries_of(archive: Path) -> list[zipfile.ZipInfo]:
 def read_member(archive: Path, name: str, most: int = MAX_XML) -> bytes:
     """The bytes of one entry, refused if more than `most`."""
     try:
-        with _opened(archive) as zipped, zipped.open(name) as source:
-            data = source.read(most + 1)
+        with _opened(archive) as zipped:
+            for sentence in packed_otherwise([zipped.getinfo(name)]):
+                raise ArchiveError(f"{archive} has {sentence}")
+            with zipped.open(name) as source:
+                data = source.read(most + 1)
     except ArchiveError:
         raise
     except Exception as error:
@@ -60,6 +65,7 @@ def unpack(archive: Path, folder: Path) -> None:
 def hazards(entries: Sequence[zipfile.ZipInfo]) -> Iterator[str]:
     """What makes an archive unsafe to unpack: sentences without a subject, which is the archive."""
     yield from oversize(entries)
+    yield from (f"has {sentence}" for sentence in packed_otherwise(entries))
     for entry in entries:
         if escapes(entry.filename):
             yield f"has the entry {entry.filename!r}, which leads out of the archive"
@@ -79,6 +85,13 @@ def oversize(entries: Sequence[zipfile.ZipInfo]) -> Iterator[str]:
             yield f"has {entry.filename!r}, which is {entry.file_size} bytes packed into {entry.compress_size}"
 
 
+def packed_otherwise(entries: Sequence[zipfile.ZipInfo]) -> Iterator[str]:
+    """Entries neither stored nor deflated."""
+    for entry in entries:
+        if entry.compress_type not in _METHODS:
+            yield f"{entry.filename!r}, which is packed with method {entry.compress_type}, not stored or deflated"
+
+
 def escapes(name: str) -> bool:
     """Whether unpacking the entry could write outside the folder, on any system."""
     path = PurePosixPath(name)
@@ -91,8 +104,8 @@ def is_special(entry: zipfile.ZipInfo) -> bool:
 
 
 def duplicates(entries: Sequence[zipfile.ZipInfo]) -> Iterator[str]:
-    """Names that occur twice, also if only on systems that do not tell `A` from `a`."""
-    for name, count in Counter(entry.filename.rstrip("/").casefold() for entry in entries).items():
+    """Names that lead to the same file twice, also if only on systems that do not tell `A` from `a`."""
+    for name, count in Counter(PurePosixPath(entry.filename).as_posix().casefold() for entry in entries).items():
         if count > 1:
             yield f"has {count} entries of the name {name!r}"
 
@@ -148,5 +161,6 @@ def _writing(archive: Path, folder: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        remedy = "make room there, or set TMPDIR to another folder"
+        full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EACCES, errno.EROFS, errno.EPERM)
+        remedy = "make room there, or set TMPDIR to another folder" if full else "make the FMU again"
         raise ArchiveError(f"cannot unpack {archive} into {folder}: {error.strerror or error}; {remedy}") from None

@@ -15,7 +15,6 @@ Check = Callable[[Package], Iterator[str]]
 ARCHIVE: Rules[Package] = Rules("A")
 EXTENSIONS = {"win32": ".dll", "win64": ".dll", "linux32": ".so", "linux64": ".so", "darwin64": ".dylib"}
 _PLACES = {DESCRIPTION, "model.png", "documentation", "sources", "binaries", "resources", "extra", "terminalsAndIcons"}
-_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 
 
 def _rule(title: str, section: str, remedy: str) -> Callable[[Check], Check]:
@@ -42,7 +41,7 @@ def _readable(package: Package) -> Iterator[str]:
     if package.damage:
         yield package.damage
         return
-    if any(archive.oversize(package.entries)):
+    if any(archive.oversize(package.entries)) or any(archive.packed_otherwise(package.entries)):
         return  # reading it all is what a bomb waits for
     try:
         with zipfile.ZipFile(package.path) as zipped:
@@ -60,9 +59,7 @@ def _readable(package: Package) -> Iterator[str]:
     "Pack the FMU with the method deflate, which is what `zip` and zipfile.ZIP_DEFLATED do.",
 )
 def _methods(package: Package) -> Iterator[str]:
-    for entry in package.entries:
-        if entry.compress_type not in _METHODS:
-            yield f"{entry.filename!r} is packed with method {entry.compress_type}"
+    yield from archive.packed_otherwise(package.entries)
 
 
 @_rule(

@@ -104,12 +104,14 @@ def _flipped(members: Members) -> Iterable[Entry]:
     yield zipfile.ZipInfo("resources/flipped.txt"), b"FLIPPED"
 
 
-@archive("A2", "is packed with method 12")
-def _bzip2(members: Members) -> Iterator[Entry]:
-    yield from members.items()
-    item = zipfile.ZipInfo("resources/packed.txt")
-    item.compress_type = zipfile.ZIP_BZIP2
-    yield item, b"x" * 100
+for _method in (zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA):
+
+    @archive("A2", f"is packed with method {_method}")
+    def _packed(members: Members, method: int = _method) -> Iterator[Entry]:
+        yield from members.items()
+        item = zipfile.ZipInfo("resources/packed.txt")
+        item.compress_type = method
+        yield item, b"x" * 100
 
 
 for _name in ("../escape.txt", "/etc/escape.txt", "C:/escape.txt", "resources\\escape.txt", "resources/../../escape"):
@@ -138,6 +140,12 @@ def _twice(members: Members) -> Iterator[Entry]:
 def _capitals(members: Members) -> Iterator[Entry]:
     yield from members.items()
     yield "resources/SlaveModule.txt", b"other"
+
+
+@archive("A5", "2 entries of the name 'resources/slavemodule.txt'")
+def _slashes(members: Members) -> Iterator[Entry]:
+    yield from members.items()
+    yield "resources//slavemodule.txt", b"other"
 
 
 @archive("A6", "33554432 bytes packed into")

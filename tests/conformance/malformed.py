@@ -48,6 +48,21 @@ def _encrypted(data: bytes) -> bytes:
     return data[:6] + b"\x01" + data[7:place] + b"\x01" + data[place + 1 :]
 
 
+def _unlimited(method: int) -> Make:
+    """A description that claims 10 bytes and unpacks to 256 MiB by a method zipfile puts no limit to."""
+
+    def make(good: Path, target: Path) -> None:
+        with zipfile.ZipFile(target, "w", method) as sink:
+            sink.writestr(XML, bytes(256 << 20))
+        data = target.read_bytes()
+        place = data.rindex(b"PK\x01\x02") + 24
+        target.write_bytes(
+            data[:22] + struct.pack("<I", 10) + data[26:place] + struct.pack("<I", 10) + data[place + 4 :]
+        )
+
+    return make
+
+
 _EXTERNAL = b'?><!DOCTYPE f [<!ENTITY x SYSTEM "file:///etc/passwd">]>'
 _REMOTE = b'?><!DOCTYPE f SYSTEM "http://127.0.0.1:9/f.dtd">'
 
@@ -59,6 +74,8 @@ MALFORMED: dict[str, Make] = {
     "lost its beginning": _bytes(lambda data: data[5000:]),
     "zeros in the middle": _bytes(lambda data: data[:1000] + bytes(8000) + data[9000:]),
     "size that lies": _bytes(_lies_about_its_size),
+    "bzip2 bomb": _unlimited(zipfile.ZIP_BZIP2),
+    "LZMA bomb": _unlimited(zipfile.ZIP_LZMA),
     "encrypted": _bytes(_encrypted),
     "empty archive": _bytes(lambda data: b"PK\x05\x06" + bytes(18)),
     "external entity": _document(lambda xml: xml.replace(b"?>", _EXTERNAL, 1).replace(b"Imu", b"&x;", 1)),
