@@ -95,7 +95,7 @@ def show(summary: Mapping[str, Any], folder: Path) -> None:
     speed = (
         f"{summary['wall_time']:.2f} s for {summary['stop_time']:g} s, {summary['real_time_factor']:.1f} x real time"
     )
-    console.print(f"ran in {speed}; results in {folder}", soft_wrap=True)
+    console.print(f"ran in {speed}; results in {folder}", soft_wrap=True, markup=False)
 
 
 def _readable(name: str, value: float | None) -> tuple[str, str]:

@@ -9,6 +9,7 @@ from typing import Annotated
 
 import typer
 from rich.console import Console
+from rich.markup import escape
 
 from fmukit.conformance.check import ALL, check, holds
 from fmukit.conformance.report import records, table
@@ -26,7 +27,7 @@ def check_command(
     _usable(files, groups)
     found = []
     for k, file in enumerate(files, start=1):
-        with Console(stderr=True).status(f"checking {file}"):
+        with Console(stderr=True).status(escape(f"checking {file}")):
             found.append((file, check(file, groups, files[k:])))  # each pair once, in both orders
         if not as_json:
             Console().print(table(*found[-1]))

@@ -24,19 +24,21 @@ def lives(folder: Path, cycles: int, temporary: Path) -> dict[str, int]:
         capture_output=True,
         text=True,
         check=False,
+        timeout=900,
     )
     assert done.returncode == 0, f"{done.returncode}: {done.stderr[-2000:]}"
     found: dict[str, int] = json.loads(done.stdout)
     return found
 
 
-def check(found: dict[str, int], cycles: int) -> None:
-    assert found.pop("memory") < MEMORY * cycles
+def check(found: dict[str, int], cycles: int, heap: int = 0) -> None:
+    """`heap` [bytes] is room for the steps in which the allocator grows, which few lives do not average out."""
+    assert found.pop("memory") < MEMORY * cycles + heap
     assert found == {"handles": 0, "threads": 0, "path": 0, "files": 0, "library": 0}
 
 
 def test_three_hundred_lives_of_the_plant(unzipped: dict[str, Path], tmp_path: Path) -> None:
-    check(lives(unzipped["Vehicle16Dof"], 300, tmp_path), 300)
+    check(lives(unzipped["Vehicle16Dof"], 300, tmp_path), 300, heap=300_000)
 
 
 @pytest.mark.nightly

@@ -21,6 +21,7 @@ def test_hundred_faults_and_frees(unzipped: dict[str, Path], name: str) -> None:
         capture_output=True,
         text=True,
         check=False,
+        timeout=300,
     )
     assert done.returncode == 0, f"{done.returncode}: {done.stderr[-2000:]}"
     assert done.stdout.splitlines()[-1] == f"done {CYCLES}"

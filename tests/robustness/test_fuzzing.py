@@ -39,6 +39,7 @@ def fuzz(folder: Path, sequences: int, seed: int) -> Counter[str]:
         capture_output=True,
         text=True,
         check=False,
+        timeout=60 + sequences,
     )
     if done.returncode < 0:
         calls = "\n".join(journal.read_text(errors="replace").splitlines()[-40:])
