@@ -12,7 +12,7 @@ import pytest
 from fmukit.build.cache import cached
 from fmukit.component import Component
 from fmukit.conformance.running import run_groups
-from fmus import CATALOGUE
+from fmus import CATALOGUE, vehicle16dof
 
 _LIVES = """
 import json, sys, tempfile
