@@ -1,7 +1,7 @@
 """The components, and nothing else. `CATALOGUE` is the one list of all FMUs; build, checks, docs and tests use it."""
 
 from fmukit.component import Component
-from fmus import estimator, vehicle16dof
+from fmus import double_track, estimator, vehicle16dof
 from fmus.controllers import high_level_lqr, low_level_pid, reference
 from fmus.sensors import gps, imu
 
@@ -13,4 +13,5 @@ CATALOGUE: tuple[Component, ...] = (
     reference.COMPONENT,
     high_level_lqr.COMPONENT,
     low_level_pid.COMPONENT,
+    double_track.COMPONENT,
 )

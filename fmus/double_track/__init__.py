@@ -1,1 +1,6 @@
-"""The planar four-wheel-driven double-track car: equations in README.md. A library, not an FMU."""
+"""DoubleTrack: the planar four-wheel-driven double-track car. Equations in README.md."""
+
+from fmukit.component import Component
+from fmus.double_track.interface import INTERFACE
+
+COMPONENT = Component(INTERFACE, "fmus.double_track.plant")

@@ -31,7 +31,8 @@ def wheel_loads(car: DoubleTrackCar, a_x: ca.SX, a_y: ca.SX) -> ca.SX:
     front = p.m * (p.l_R * p.g - car.h * a_x) / p.wheelbase
     rear = p.m * (p.l_F * p.g + car.h * a_x) / p.wheelbase
     # without width there is no lever for the transfer, and left equals right
-    share = car.h * a_y / (2 * car.d * p.g) if car.d else 0
+    narrow = isinstance(car.d, float) and not car.d
+    share = 0 if narrow else car.h * a_y / (2 * car.d * p.g)
     return ca.vertcat(front * (0.5 - share), front * (0.5 + share), rear * (0.5 - share), rear * (0.5 + share))
 
 

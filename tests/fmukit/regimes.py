@@ -72,6 +72,17 @@ def _plant(t: float) -> Values:
     }
 
 
+def _planar_plant(t: float) -> Values:
+    return {
+        **_group("wheel_torque", WHEELS, 100.0, 120.0, 200.0, 220.0),
+        **_group("brake_torque", WHEELS, 20.0, 20.0, 10.0, 10.0),
+        **_group("road_friction", WHEELS, 0.9, 1.0, 0.9, 1.0),
+        **_group("body_force", AXES[:2], -100.0, 50.0),
+        "body_moment.z": 30.0,
+        "command.steer_angle": 0.02,
+    }
+
+
 def _imu(t: float) -> Values:
     return {
         **_group("truth.specific_force", AXES, 0.5, SPEED * RATE, GRAVITY),
@@ -154,6 +165,12 @@ _REGIMES = {
         0.1,
         {"velocity.x": 20.0, "tyre_force_y.fl": 100.0, "slip_angle.fr": 1e-3, "steer_angle.fl": 1e-3},
         _plant,
+        {"initial.speed": SPEED},
+    ),
+    "DoubleTrack": Regime(
+        0.1,
+        {"velocity.x": 20.0, "tyre_force_y.fl": 100.0, "slip_angle.fr": 1e-3, "steer_angle.fl": 1e-2},
+        _planar_plant,
         {"initial.speed": SPEED},
     ),
     "Imu": Regime(0.2, {"accelerometer.y": 2.0, "gyroscope.z": 0.1}, _imu),
