@@ -23,7 +23,10 @@ def disturbed(bench: Bench, what: str, state: str, act: Act) -> Iterator[str]:
     before = _values(bench, instance, state)
     status, said = attempt(instance, act)
     yield from verdict(what, status, said)
-    if status == host.FATAL or not (status > host.WARNING or said):
+    if status == host.FATAL:
+        return  # not even freeing the instance is allowed any more
+    if not (status > host.WARNING or said):
+        instance.free()
         return
     if status < host.ERROR and _values(bench, instance, state) != before:
         yield f"{what} is refused but changes outputs all the same"
@@ -47,7 +50,7 @@ def verdict(what: str, status: int, said: bool) -> Iterator[str]:
 def unharmed(bench: Bench, instance: host.Instance, state: str, status: int, what: str) -> Iterator[str]:
     """Finish the run (after a reset if `status` is an error) and compare; frees the instance."""
     resets = status >= host.ERROR or state == "terminated"
-    if resets and any(bench.after_resets().values()):
+    if resets and any(_after_resets(bench).values()):
         instance.free()  # a rule of its own says that reset does not work
         return
     if status >= host.ERROR:
@@ -58,6 +61,12 @@ def unharmed(bench: Bench, instance: host.Instance, state: str, status: int, wha
     if changed:
         yield f"after {what} the run is no longer that of an undisturbed instance: {changed}"
     instance.free()
+
+
+def _after_resets(bench: Bench) -> dict[str, str]:
+    """What resets leave behind; where one instance at a time is allowed, only what is known already."""
+    once = bench.package.flag("canBeInstantiatedOnlyOncePerProcess")
+    return bench.memory.get("resets", {}) if once else bench.after_resets()
 
 
 def _values(bench: Bench, instance: host.Instance, state: str) -> str:

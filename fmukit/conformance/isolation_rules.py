@@ -44,6 +44,8 @@ def no_host_packages(bench: Bench) -> Iterator[str]:
     "give embedded modules names no other FMU has (a content hash), import them relatively, keep no global data",
 )
 def any_order(bench: Bench) -> Iterator[str]:
+    if bench.package.flag("canBeInstantiatedOnlyOncePerProcess"):
+        raise NotApplicable("canBeInstantiatedOnlyOncePerProcess is declared")
     bench.reference()
     if disturbed_by_another(bench):
         raise NotApplicable("two instances of this FMU disturb each other already")

@@ -27,7 +27,7 @@ _ORDER = (
 
 @L.add(
     "DoStep is refused outside the stepping state",
-    "4.2.4",
+    "good practice",
     "remember the state of the instance; refuse fmi2DoStep with a message before initialisation and after terminate",
 )
 def step_in_its_place(bench: Bench) -> Iterator[str]:
@@ -40,7 +40,7 @@ def step_in_its_place(bench: Bench) -> Iterator[str]:
 
 @L.add(
     "Changes of state out of order are refused",
-    "4.2.4",
+    "good practice",
     "remember the state of the instance; refuse to enter or leave initialisation or to terminate out of order",
 )
 def order(bench: Bench) -> Iterator[str]:
@@ -60,7 +60,7 @@ def set_after_terminate(bench: Bench) -> Iterator[str]:
 
 @L.add(
     "Steps that do not go forward are refused",
-    "4.2.2",
+    "good practice",
     "refuse fmi2DoStep with a step that is zero, negative, infinite or not a number",
 )
 def impossible_steps(bench: Bench) -> Iterator[str]:
@@ -83,7 +83,7 @@ def set_what_is_fixed(bench: Bench) -> Iterator[str]:
 
 @L.add(
     "Value references that do not exist are refused",
-    "2.1.7",
+    "good practice",
     "check value references before using them as an index",
 )
 def unknown_references(bench: Bench) -> Iterator[str]:

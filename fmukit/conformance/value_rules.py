@@ -31,7 +31,7 @@ def not_finite(bench: Bench) -> Iterator[str]:
 
 @B.add(
     "Values outside min and max are refused",
-    "2.2.7",
+    "good practice",
     "compare every value set with the declared min and max; refuse it with a message and keep the old value",
 )
 def out_of_range(bench: Bench) -> Iterator[str]:
@@ -120,12 +120,22 @@ def percent(bench: Bench) -> Iterator[str]:
         raise NotApplicable("it has no String parameters or inputs")
     for variable in texts[:3]:
         instance = host.made(bench.target, "formatted", formatting)
-        instance.set("String", [variable.vr], [_FORMAT])
-        instance.setup(bench.plan.start)
-        instance.call("EnterInitializationMode")
-        instance.call("ExitInitializationMode")
-        instance.step(bench.plan.start, bench.plan.step)
+        worst = _until_refused(bench, instance, variable)
         for _, message in instance.messages:
             if "100" in message and _FORMAT not in message:
                 yield f"with {variable.name} = {_FORMAT!r} the message reads {message!r}"
-        instance.free()
+        if worst != host.FATAL:
+            instance.free()
+
+
+def _until_refused(bench: Bench, instance: host.Instance, variable: Variable) -> int:
+    """Set the text and take the first step; stops at the first refusal, since no other call may follow it."""
+    start = bench.plan.start
+    calls: tuple[Callable[[], int], ...] = (
+        lambda: instance.set("String", [variable.vr], [_FORMAT]),
+        lambda: instance.setup(start),
+        lambda: instance.call("EnterInitializationMode"),
+        lambda: instance.call("ExitInitializationMode"),
+        lambda: instance.step(start, bench.plan.step),
+    )
+    return next((status for call in calls if (status := call()) > host.WARNING), host.OK)

@@ -36,7 +36,7 @@ def _absent(package: Package) -> Iterator[str]:
             yield f"variable {variable.name} is {what} and has the start value {variable.start}"
 
 
-@rule("Start values are finite", "2.2.7", "Write a number; NaN and infinity are no values to start from.")
+@rule("Start values are finite", "good practice", "Write a number; NaN and infinity are no values to start from.")
 def _finite(package: Package) -> Iterator[str]:
     for variable in package.variables:
         if isinstance(variable.start, float) and not math.isfinite(variable.start):
