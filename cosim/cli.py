@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
@@ -164,8 +165,5 @@ def _listed(scenario: Scenario) -> dict[str, Any]:
         "title": scenario.title,
         "figures": scenario.figures,
         "stop_time": scenario.stop_time,
-        "settings": {
-            name: {"default": setting.default, "choices": setting.choices, "description": setting.description}
-            for name, setting in scenario.settings.items()
-        },
+        "settings": {name: asdict(setting) for name, setting in scenario.settings.items()},
     }

@@ -75,7 +75,7 @@ def scenario_table(scenarios: Sequence[Scenario]) -> Table:
     for column in ("what it is", "reproduces", "settings"):
         table.add_column(column)
     for scenario in scenarios:
-        settings = "\n".join(f"{name}={'|'.join(s.choices)}" for name, s in scenario.settings.items())
+        settings = "\n".join(f"{name}={setting.offered}" for name, setting in scenario.settings.items())
         table.add_row(scenario.name, scenario.title, scenario.figures, settings)
     return table
 

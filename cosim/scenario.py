@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from cosim.errors import CosimError, unknown
 from cosim.results import Results
 from cosim.system import System
 
-Settings = Mapping[str, str]
+Settings = Mapping[str, Any]
+"""Values by the name of the setting: the text of a choice, the float of a number."""
 PREFIX = "scenario."
 
 
@@ -21,6 +24,49 @@ class Setting:
     default: str
     choices: tuple[str, ...]
     description: str
+
+    @property
+    def offered(self) -> str:
+        """What may be given, for a table."""
+        return "|".join(self.choices)
+
+    def read(self, name: str, text: str) -> str:
+        """The value of `text`; raises CosimError when it is not one of the choices."""
+        if text not in self.choices:
+            raise CosimError(f"{PREFIX}{name} = {text!r} is not one of {', '.join(self.choices)}")
+        return text
+
+
+@dataclass(frozen=True, slots=True)
+class NumberSetting:
+    """One number a scenario offers as `--set scenario.NAME=...`, within limits that are part of the range."""
+
+    default: float
+    minimum: float
+    maximum: float
+    unit: str
+    description: str
+
+    @property
+    def offered(self) -> str:
+        """What may be given, for a table."""
+        return f"{self.minimum:g} ... {self.maximum:g}{self._unit}"
+
+    def read(self, name: str, text: str) -> float:
+        """The value of `text`; raises CosimError when it is no number or beyond the limits."""
+        try:
+            number = float(text)
+        except ValueError:
+            number = math.nan
+        if not math.isfinite(number):
+            raise CosimError(f"{PREFIX}{name} = {text!r} is not a finite number; give one in {self.offered}")
+        if not self.minimum <= number <= self.maximum:
+            raise CosimError(f"{PREFIX}{name} = {number:g}{self._unit} is outside its range {self.offered}")
+        return number
+
+    @property
+    def _unit(self) -> str:
+        return "" if self.unit == "1" else f" {self.unit}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,12 +85,12 @@ class Scenario:
     complete: Callable[[System], None] = lambda _system: None
     metrics: Callable[[Results], dict[str, float]] = lambda _results: {}
     draw: Callable[[Results, Path, str], None] | None = None
-    settings: Mapping[str, Setting] = field(default_factory=dict)
+    settings: Mapping[str, Setting | NumberSetting] = field(default_factory=dict)
 
 
 def configured(scenario: Scenario, assignments: Sequence[tuple[str, str]]) -> System:
     """The system of `scenario` with all assignments applied: its own settings, then instance variables."""
-    settings = {name: setting.default for name, setting in scenario.settings.items()}
+    settings: dict[str, Any] = {name: setting.default for name, setting in scenario.settings.items()}
     for name, value in assignments:
         if name.startswith(PREFIX):
             _apply(scenario, settings, name.removeprefix(PREFIX), value)
@@ -56,10 +102,8 @@ def configured(scenario: Scenario, assignments: Sequence[tuple[str, str]]) -> Sy
     return system
 
 
-def _apply(scenario: Scenario, settings: dict[str, str], name: str, value: str) -> None:
+def _apply(scenario: Scenario, settings: dict[str, Any], name: str, value: str) -> None:
     setting = scenario.settings.get(name)
     if setting is None:
         raise unknown(f"setting of {scenario.name}", name, scenario.settings)
-    if value not in setting.choices:
-        raise CosimError(f"scenario.{name} = {value!r} is not one of {', '.join(setting.choices)}")
-    settings[name] = value
+    settings[name] = setting.read(name, value)

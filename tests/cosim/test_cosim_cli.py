@@ -10,7 +10,7 @@ import pytest
 from cosim import scenarios
 from cosim.cli import main
 from cosim.results import load_results
-from cosim.scenario import Scenario, Setting
+from cosim.scenario import NumberSetting, Scenario, Setting
 from cosim.system import System
 
 SUMMARY = {
@@ -34,7 +34,7 @@ def cosim(tank, monkeypatch, tmp_path, capsys):
     def build(settings):
         system = System()
         system.add("first", "Tank" if settings["source"] == "good" else str(tmp_path / "bad.fmu"), period=0.01)
-        system.add("second", "Tank", period=0.02)
+        system.add("second", "Tank", period=settings["period"])
         system.connect("first", "second", {"inflow": "level"})
         return system
 
@@ -46,7 +46,10 @@ def cosim(tank, monkeypatch, tmp_path, capsys):
         build=build,
         find=lambda model: tank,
         metrics=lambda results: {"level_last": float(results["second.level"][-1]), "nothing": float("nan")},
-        settings={"source": Setting("good", ("good", "bad"), "which file")},
+        settings={
+            "source": Setting("good", ("good", "bad"), "which file"),
+            "period": NumberSetting(0.02, 0.01, 0.5, "s", "period of the second tank"),
+        },
     )
     known = scenarios.load
     monkeypatch.setattr(scenarios, "load", lambda name: scenario if name == "tanks" else known(name))
@@ -89,6 +92,21 @@ def test_quiet_says_nothing(cosim, tmp_path):
     assert cosim("run", "tanks", "-o", str(tmp_path), "--quiet") == (0, "", "")
 
 
+def test_a_number_is_a_setting(cosim, tmp_path):
+    _, out, _ = cosim("run", "tanks", "-o", str(tmp_path), "--set", "scenario.period=0.1", "--json")
+    assert json.loads(out)["instances"]["second"]["period"] == 0.1
+
+
+def test_settings_are_listed_with_choices_or_limits(cosim, monkeypatch):
+    monkeypatch.setattr(scenarios, "names", lambda: ["tanks"])
+    assert "source=good|bad" in cosim("list")[1]
+    assert "period=0.01 ... 0.5 s" in cosim("list")[1]
+    settings = json.loads(cosim("list", "--json")[1])[0]["settings"]
+    assert settings["source"] == {"default": "good", "choices": ["good", "bad"], "description": "which file"}
+    period = {"default": 0.02, "minimum": 0.01, "maximum": 0.5, "unit": "s", "description": "period of the second tank"}
+    assert settings["period"] == period
+
+
 def test_explain_shows_order_edges_and_free_inputs(cosim, tmp_path):
     _, out, _ = cosim("run", "tanks", "-o", str(tmp_path), "--explain")
     assert "base tick 10 ms" in out
@@ -111,6 +129,9 @@ def test_the_same_seed_gives_the_same_bytes(cosim, tmp_path):
         (["run", "tanks", "--set", "first.inflw=1"], "unknown variable of first (CosimTestTank) 'inflw'; did you mean"),
         (["run", "tanks", "--set", "scenario.sorce=bad"], "unknown setting of tanks 'sorce'; did you mean source"),
         (["run", "tanks", "--set", "scenario.source=ugly"], "scenario.source = 'ugly' is not one of good, bad"),
+        (["run", "tanks", "--set", "scenario.period=1"], "scenario.period = 1 s is outside its range 0.01 ... 0.5 s"),
+        (["run", "tanks", "--set", "scenario.period=x"], "scenario.period = 'x' is not a finite number; give one in"),
+        (["run", "tanks", "--set", "scenario.period=nan"], "'nan' is not a finite number; give one in 0.01 ... 0.5 s"),
         (["run", "tanks", "--set", "first.inflow=nan"], "first.inflow = nan is not a finite number"),
         (["run", "tanks", "--set", "first.level=1"], "first.level is an output"),
         (["run", "tanks", "--set", "nonsense"], "cannot read 'nonsense'"),
