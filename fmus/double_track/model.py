@@ -60,7 +60,7 @@ def motion(car: DoubleTrackCar, x: ca.SX, u: ca.SX, a: ca.SX, friction: float | 
     F_l = u[1:] - rolling_coefficient(p, x[2]) * F_z
     steer = ca.vertcat(x[6], x[6], 0, 0)
     f_x, f_y = F_l * ca.cos(steer) - F_t * ca.sin(steer), F_l * ca.sin(steer) + F_t * ca.cos(steer)
-    X, Y = (ca.DM(column) for column in zip(*car.wheel_positions, strict=True))
+    X, Y = (ca.vertcat(*column) for column in zip(*car.wheel_positions, strict=True))
     F_x, F_y = ca.sum1(f_x) - air_drag(p, x[2]), ca.sum1(f_y)
     x_dot = planar_motion(p, x, u[0], (F_x, F_y, ca.dot(X, f_y) - ca.dot(Y, f_x)))
     return Motion(x_dot, ca.vertcat(F_x, F_y) / p.m, F_z, F_l, F_t, alpha)
