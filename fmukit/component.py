@@ -10,16 +10,17 @@ from fmukit.interface import Interface
 
 if TYPE_CHECKING:
     from fmukit.kernel import Kernel
+    from fmukit.python_kernel import PythonKernel
 
 
 @dataclass(frozen=True, slots=True)
 class Component:
-    """The interface, and the module whose `kernel()` returns the component's `Kernel`."""
+    """The interface, and the module whose `kernel()` returns the component's `Kernel`, or its `PythonKernel`."""
 
     interface: Interface
     model: str
 
-    def kernel(self) -> Kernel:
+    def kernel(self) -> Kernel | PythonKernel:
         """Make the kernel: imports the model, and casadi with it."""
-        kernel: Kernel = import_module(self.model).kernel()
+        kernel: Kernel | PythonKernel = import_module(self.model).kernel()
         return kernel
