@@ -47,11 +47,12 @@ class Instance(Fmi2Slave):
         self._origin = self._time = 0.0
         self._fault, self._slack = self.description_.fault, _TOLERANCE * self.description_.step
         self._misfit: Callable[..., int] = _nothing_amiss
+        self._resources = Path(str(kwargs.get("resources")))
         self._get_vrs: list[int] | None = None
         self._set_vrs: list[int] | None = None
         self._fill_start_values()
         if "logger" in kwargs:
-            resources = Path(str(kwargs.get("resources")))
+            resources = self._resources
             _leave_path(str(kwargs.get("resources")))
             self._attach(resources / self.package / library.FILE)
             release_interpreter_once(resources.parent / "binaries" / "linux64" / f"{self.description_.name}.so")
@@ -86,7 +87,9 @@ class Instance(Fmi2Slave):
             return
         about, buffer = self.description_, self._buffer
         seed = int(buffer[about.seed_slot]) if about.seed_slot >= 0 else 0
-        flat, rows = table.read(self._strings[about.table.slot], about.table) if about.table else (array("d"), 0)
+        flat, rows = array("d"), 0
+        if about.table:
+            flat, rows = table.read(self._strings[about.table.slot], about.table, self._resources)
         code = self._library.fmukit_initialise(self._address, seed, flat.buffer_info()[0], float(rows))
         if code:
             raise RefusalError(f"initialisation failed: {self._reason(code)}; check the parameters")

@@ -7,6 +7,7 @@ import os
 from array import array
 from itertools import pairwise
 from math import isfinite
+from pathlib import Path
 
 from .description import TableFile
 
@@ -15,17 +16,23 @@ class TableError(Exception):
     """The file cannot be used; the message is a sentence naming file, line and remedy."""
 
 
-def read(path: str, spec: TableFile) -> tuple[array[float], int]:
+def read(path: str, spec: TableFile, packed: Path) -> tuple[array[float], int]:
     """All rows one after the other, the last one repeated up to the capacity, and the number of rows.
 
-    An empty path gives an empty table of zeros and 0 rows.
+    An empty path gives an empty table of zeros and 0 rows. A mere file name means first of all a file packed into the
+    FMU, in its folder of resources `packed`, so that an FMU can bring its table along.
     """
-    rows = _rows(path, spec) if path else []
+    rows = _rows(_located(path, packed), spec) if path else []
     last = rows[-1] if rows else [0.0] * len(spec.columns)
     flat = array("d")
     for row in rows + [last] * (spec.rows - len(rows)):
         flat.extend(row)
     return flat, len(rows)
+
+
+def _located(path: str, packed: Path) -> str:
+    inside = os.path.join(packed, path)
+    return inside if os.path.basename(path) == path and os.path.isfile(inside) else path
 
 
 def _rows(path: str, spec: TableFile) -> list[list[float]]:

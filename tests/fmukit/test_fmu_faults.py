@@ -197,6 +197,16 @@ def test_table_that_never_ends_is_not_read(make: Make, tmp_path: Path, kind: str
     assert not instance.step(5e-3)
 
 
+def test_table_packed_into_the_fmu_is_found_by_its_name(make: Make) -> None:
+    """A mere name means the file in the FMU's resources; with a folder it is a file like any other."""
+    instance = make("DemoFilter")
+    (instance.folder / "resources" / "packed.csv").write_text("time,level\n0,1\n1,x\n")
+    instance.initialise({"profile_file": "packed.csv"})
+    assert "row 3" in instance.messages[0]
+    other = make("DemoFilter").initialise({"profile_file": "./packed.csv"})
+    assert "./packed.csv cannot be read" in other.messages[0]
+
+
 def test_bad_parameter_is_named_and_the_first_step_discarded(make: Make) -> None:
     untouched = make("DemoFilter")["seed"]
     instance = make("DemoFilter").initialise({"time_constant": -1.0, "seed": -5})
