@@ -15,6 +15,7 @@ import casadi as ca
 
 from fmukit.component import Component
 from fmukit.interface import Causality, Interface
+from fmukit.qp.solver import QpSolver
 
 __all__ = [
     "Component",
@@ -36,11 +37,13 @@ class Kernel:
     step        sampled:    (p, d, u, x, w, t) -> (x, y)
                 continuous: (p, d, u, x, h) -> (x), one substep
     output      continuous only: (p, d, u, x) -> (y)
+    solvers     the quadratic programs the functions call
     """
 
     initialise: ca.Function
     step: ca.Function
     output: ca.Function | None = None
+    solvers: tuple[QpSolver, ...] = ()
 
 
 class Signals:
@@ -107,13 +110,19 @@ def sampled_kernel(
     derived: Layout,
     initialise: ca.Function,
     step: ca.Function,
+    solvers: Iterable[QpSolver] = (),
 ) -> Kernel:
-    """Check the sizes of a sampled component's functions against its interface and give them as a `Kernel`."""
+    """Check the sizes of a sampled component's functions against its interface and give them as a `Kernel`.
+
+    `solvers` are the quadratic programs its functions call; ValueError names one that is called but not given.
+    """
     sizes = _sizes(interface)
     p, u, y, w, table = (sizes[key] for key in ("p", "u", "y", "w", "table"))
     _expect(interface.name, initialise, (p, u, w, table, 1), (derived.size, states.size, y))
     _expect(interface.name, step, (p, derived.size, u, states.size, w, 1), (states.size, y))
-    return Kernel(initialise, step)
+    given = tuple(solvers)
+    _expect_solvers(interface.name, (initialise, step), given)
+    return Kernel(initialise, step, solvers=given)
 
 
 def continuous_kernel(
@@ -143,6 +152,14 @@ def _sizes(interface: Interface) -> dict[str, int]:
         "w": interface.noise,
         "table": len(table.columns) * table.rows if table else 0,
     }
+
+
+def _expect_solvers(owner: str, functions: Iterable[ca.Function], solvers: tuple[QpSolver, ...]) -> None:
+    given = [solver.function.name() for solver in solvers]
+    called = {inner.name() for f in functions for inner in f.find_functions() if inner.class_name() == "External"}
+    twice = sorted({name for name in given if given.count(name) > 1})
+    if twice or called - set(given):
+        raise ValueError(f"{owner}: solvers given twice {twice}, called but not given {sorted(called - set(given))}")
 
 
 def _expect(owner: str, function: ca.Function, inputs: tuple[int, ...], outputs: tuple[int, ...]) -> None:

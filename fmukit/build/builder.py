@@ -70,13 +70,14 @@ def _model(interface: Interface, kernel: Kernel, targets: tuple[str, ...]) -> di
 
 
 def library(code: Code, platform: str) -> bytes:
-    """The kernel compiled for `platform`."""
+    """The kernel and its solvers compiled for `platform`."""
+    texts = {"functions.c": code.functions, "sizes.h": code.sizes, **code.solvers}
     with tempfile.TemporaryDirectory(prefix="fmukit-") as name:
         folder = Path(name)
-        (folder / "functions.c").write_text(code.functions, "utf-8")
-        (folder / "sizes.h").write_text(code.sizes, "utf-8")
+        for file, text in texts.items():
+            (folder / file).write_text(text, "utf-8")
         (folder / "shim.c").write_bytes((Path(__file__).parent / "shim.c").read_bytes())
-        return compiler.run(folder, platform)
+        return compiler.run(folder, platform, ("shim.c", *code.units))
 
 
 def _package(interface: Interface, code: Code, libraries: Mapping[str, bytes]) -> dict[str, bytes]:

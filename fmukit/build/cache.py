@@ -35,11 +35,11 @@ def cached(component: Component, directory: Path | None = None, platforms: Seque
     name = component.interface.name
     path = (directory or cache_folder()) / f"{name}-{_key(component, targets)}" / f"{name}.fmu"
     if not _sound(path):
-        _check_writable(path.parent)
+        check_writable(path.parent)
         from fmukit.build.builder import build  # noqa: PLC0415 (imports casadi)
 
         build(component, path.parent, targets)
-        _prune(path.parent)
+        prune(path.parent)
     return path
 
 
@@ -52,7 +52,7 @@ def _sound(path: Path) -> bool:
         return False
 
 
-def _check_writable(folder: Path) -> None:
+def check_writable(folder: Path) -> None:
     """Say so before the long build."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -65,8 +65,8 @@ def _check_writable(folder: Path) -> None:
         ) from error
 
 
-def _prune(made: Path) -> None:
-    """Remove what was built of the same component more than a month ago."""
+def prune(made: Path) -> None:
+    """Remove what was built of the same name more than a month ago."""
     pattern = made.name.rpartition("-")[0] + "-*"
     for other in made.parent.glob(pattern):
         if time() - other.stat().st_mtime > _KEEP:
@@ -74,7 +74,7 @@ def _prune(made: Path) -> None:
 
 
 def _key(component: Component, platforms: tuple[str, ...]) -> str:
-    tools = [f"{tool} {version(tool)}" for tool in ("casadi", "pythonfmu")]
+    tools = [f"{tool} {version(tool)}" for tool in ("casadi", "osqp", "pythonfmu")]
     compilers = [f"{platform} {compiler.identity(platform)}" for platform in platforms]
     parts = [component.model, repr(component.interface), fingerprint(component), *tools, *compilers]
     return blake2b("\n".join(parts).encode(), digest_size=8).hexdigest()

@@ -3,24 +3,31 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import casadi as ca
 
 from fmukit.interface import Interface
 from fmukit.kernel import Kernel
+from fmukit.python_kernel import PythonKernel
 
 _WORK = re.compile(r"\*sz_(arg|res|iw|w) = (\d+);")
 
 
 @dataclass(frozen=True, slots=True)
 class Code:
-    """`functions` and `sizes` are the texts of functions.c and sizes.h; `derived`, `states` the hidden slots."""
+    """`functions` and `sizes` are the texts of functions.c and sizes.h; `derived`, `states` the hidden slots.
+
+    `solvers` are the texts of the solvers' files by name, `units` those of them to compile.
+    """
 
     functions: str
     sizes: str
     derived: int
     states: int
+    solvers: Mapping[str, str] = field(default_factory=dict)
+    units: tuple[str, ...] = ()
 
 
 def generate(interface: Interface, kernel: Kernel) -> Code:
@@ -33,7 +40,9 @@ def generate(interface: Interface, kernel: Kernel) -> Code:
         generator.add(function)
     text = generator.dump()
     derived, states = kernel.initialise.numel_out(0), kernel.initialise.numel_out(1)
-    return Code(text, _header(interface, functions, text, derived, states), derived, states)
+    texts = {name: text for solver in kernel.solvers for name, text in solver.sources.items()}
+    units = tuple(dict.fromkeys(unit for solver in kernel.solvers for unit in solver.units))
+    return Code(text, _header(interface, functions, text, derived, states), derived, states, texts, units)
 
 
 def _dense(function: ca.Function) -> ca.Function:

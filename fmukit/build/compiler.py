@@ -11,6 +11,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+from collections.abc import Sequence
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -69,10 +70,10 @@ def flags(platform: str) -> tuple[str, ...]:
     return (*_FLAGS, *(_LINUX if platform == "linux64" else ()))
 
 
-def run(folder: Path, platform: str) -> bytes:
-    """Compile `folder`/shim.c into a shared library and return it. Names are relative: no path gets into it."""
+def run(folder: Path, platform: str, units: Sequence[str] = ("shim.c",)) -> bytes:
+    """Compile the `units` in `folder` into a shared library and return it. Names are relative: no path gets into it."""
     library = PLATFORMS[platform]
-    line = [*command(platform), *flags(platform), "-o", library, "shim.c", *(("-lm",) if platform == "linux64" else ())]
+    line = [*command(platform), *flags(platform), "-o", library, *units, *(("-lm",) if platform == "linux64" else ())]
     done = subprocess.run(line, cwd=folder, capture_output=True, text=True, check=False)
     made = folder / library
     if done.returncode or not made.is_file():

@@ -1,0 +1,45 @@
+"""The compiled solver that CasADi calls while a model runs in this process, kept in the user's cache."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping
+from hashlib import blake2b
+from pathlib import Path
+
+from fmukit.build import archive, cache, compiler
+
+_SHOWN = """#if defined(_WIN32)
+#define API __declspec(dllexport)
+#else
+#define API __attribute__((visibility("default")))
+#endif
+#include "{unit}"
+"""
+
+
+def compiled(symbol: str, sources: Mapping[str, str], units: tuple[str, ...]) -> Path:
+    """Path of the library that shows the functions of `symbol`; compiled when it is not there yet."""
+    platform = compiler.host_platform()
+    folder = cache.cache_folder() / f"{symbol}-{_key(sources, platform)}"
+    path = folder / compiler.PLATFORMS[platform]
+    if not path.is_file():
+        cache.check_writable(folder)
+        archive.write(path, _compile(symbol, sources, units, platform))
+        cache.prune(folder)
+    return path
+
+
+def _key(sources: Mapping[str, str], platform: str) -> str:
+    digest = blake2b(compiler.identity(platform).encode() + _SHOWN.encode(), digest_size=8)
+    for name in sorted(sources):
+        digest.update(f"\n{name} {len(sources[name])}\n{sources[name]}".encode())
+    return digest.hexdigest()
+
+
+def _compile(symbol: str, sources: Mapping[str, str], units: tuple[str, ...], platform: str) -> bytes:
+    texts = {**sources, "shown.c": _SHOWN.format(unit=f"{symbol}.c")}
+    with tempfile.TemporaryDirectory(prefix="fmukit-") as folder:
+        for name, text in texts.items():
+            (Path(folder) / name).write_text(text, "utf-8")
+        return compiler.run(Path(folder), platform, [unit for unit in units if unit != f"{symbol}.c"] + ["shown.c"])
