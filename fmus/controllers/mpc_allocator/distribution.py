@@ -8,6 +8,7 @@ numbers are of order one. Every function works on CasADi symbols and on numbers;
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -42,11 +43,12 @@ class Weights:
 class Limits:
     """What one wheel can do: motor force [N] and power [W], rate of its force [N/s], tyre-road friction mu.
 
+    The default motor is limited by its force alone (engineering choice).
     `brake` [N]: the friction brake force of a wheel whose motor is lost; 0 leaves that wheel free. Numbers or symbols.
     """
 
     force: Any = 3e3
-    power: Any = 6e4
+    power: Any = math.inf
     rate: Any = 2e4
     friction: Any = 1.0
     brake: Any = 0.0
