@@ -6,10 +6,10 @@ import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from cosim.clock import nanoseconds
+from cosim.clock import SECOND, nanoseconds
 from cosim.errors import CosimError, unknown
 from cosim.face import Face, Value
-from cosim.system import Instance, System, Wire
+from cosim.system import Event, Instance, System, Wire
 from cosim.units import Conversion, conversion
 from cosim.values import coerce
 
@@ -34,15 +34,29 @@ class Connection:
         return f"{self.source}.{self.output} -> {self.target}.{self.input}"
 
 
+@dataclass(frozen=True, slots=True)
+class Change:
+    """The input `variable` takes `value` at `time` [ns]; the instance takes it in at `due` [ns]."""
+
+    time: int
+    due: int
+    variable: str
+    value: Value
+
+
 @dataclass(slots=True)
 class Node:
-    """One instance, checked. `period` [ns]; `values` are set before initialisation; `incoming` by input name."""
+    """One instance, checked. `period` [ns]; `values` are set before initialisation; `incoming` by input name.
+
+    `changes` of unconnected inputs during the run, in order of time.
+    """
 
     name: str
     face: Face
     period: int
     values: dict[str, Value]
     incoming: dict[str, Connection] = field(default_factory=dict)
+    changes: list[Change] = field(default_factory=list)
 
 
 def assemble(system: System, faces: Mapping[str, Face], seed: int, step: float | None = None) -> dict[str, Node]:
@@ -60,6 +74,8 @@ def assemble(system: System, faces: Mapping[str, Face], seed: int, step: float |
     for node in nodes.values():
         for name in node.values.keys() & node.incoming.keys():
             raise CosimError(f"{node.name}.{name} cannot be set, as it is connected: {node.incoming[name].text}")
+    for event in sorted(system.events, key=lambda event: event.time):
+        _schedule(nodes[event.instance], event)
     return nodes
 
 
@@ -84,6 +100,20 @@ def _checked(name: str, face: Face, variable: str, value: Value) -> Value:
     if port.causality not in ("parameter", "input"):
         raise CosimError(f"{name}.{variable} is an {port.causality} of {face.model} and cannot be set")
     return coerce(name, port, value)
+
+
+def _schedule(node: Node, event: Event) -> None:
+    name, inputs = event.variable, [p.name for p in node.face.ports.values() if p.causality == "input"]
+    port = node.face.ports.get(name)
+    if port is None:
+        raise unknown(f"input of {node.name} ({node.face.model})", name, inputs, _LOOK)
+    if port.causality != "input":
+        raise CosimError(f"{node.name}.{name} cannot change during the run: it is no input of {node.face.model}")
+    if name in node.incoming:
+        raise CosimError(f"{node.name}.{name} cannot be set, as it is connected: {node.incoming[name].text}")
+    time = round(event.time * SECOND)
+    due = -(-time // node.period) * node.period
+    node.changes.append(Change(time, due, name, coerce(node.name, port, event.value)))
 
 
 def _period(name: str, instance: Instance, face: Face, values: dict[str, Value]) -> int:

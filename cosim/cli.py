@@ -87,6 +87,12 @@ def run(
     folder: Annotated[
         Path | None, typer.Option("-o", "--output", help="Results folder; results/NAME if left out.")
     ] = None,
+    events: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--at", metavar="S:instance.input=value", help="Set an unconnected input during the run, from S [s] on."
+        ),
+    ] = None,
     explain: Annotated[bool, typer.Option("--explain", help="Print order, periods, edges and conversions.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON and nothing else.")] = False,
@@ -97,11 +103,13 @@ def run(
     from cosim.run import OVERVIEW, Request  # noqa: PLC0415
     from cosim.run import run as run_scenario  # noqa: PLC0415
     from cosim.summary import to_json  # noqa: PLC0415
-    from cosim.system import parse_assignments  # noqa: PLC0415
+    from cosim.system import parse_assignments, parse_events  # noqa: PLC0415
 
+    display.notices(shown=not quiet)
     scenario = scenarios.load(name)
     target = folder if folder is not None else Path("results") / name
-    request = Request(scenario, target, parse_assignments(assignments or []), seed, stop_time, scheme, step)
+    values, changes = parse_assignments(assignments or []), parse_events(events or [])
+    request = Request(scenario, target, values, seed, stop_time, scheme, step, changes)
     stop = stop_time if stop_time is not None else scenario.stop_time
     explainer = display.explainer(to_stderr=as_json or quiet) if explain else display.silent
     with display.progress(stop, shown=not (quiet or as_json)) as progress:
@@ -126,16 +134,23 @@ def export(
     ] = None,
     seed: Annotated[int, typer.Option(help="Seed of all noise.")] = 0,
     stop_time: Annotated[float | None, typer.Option("--stop-time", metavar="S", help="End of the run [s].")] = None,
+    events: Annotated[
+        list[str] | None,
+        typer.Option("--at", metavar="S:instance.input=value", help="Set an unconnected input during the run."),
+    ] = None,
 ) -> None:
     """Write a scenario as SSP 1.0, with its FMUs and parameter values, for other tools."""
     from cosim import scenarios  # noqa: PLC0415
+    from cosim.display import notices  # noqa: PLC0415
     from cosim.run import Request  # noqa: PLC0415
     from cosim.ssp import export as export_ssp  # noqa: PLC0415
-    from cosim.system import parse_assignments  # noqa: PLC0415
+    from cosim.system import parse_assignments, parse_events  # noqa: PLC0415
 
+    notices(shown=True)
     target = file if file is not None else Path(f"{name}.ssp")
     scenario = scenarios.load(name)
-    request = Request(scenario, target.parent, parse_assignments(assignments or []), seed, stop_time)
+    values, changes = parse_assignments(assignments or []), parse_events(events or [])
+    request = Request(scenario, target.parent, values, seed, stop_time, events=changes)
     print(export_ssp(request, target))
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import logging
 import math
+import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -24,6 +26,20 @@ def console_of(*, stderr: bool = False) -> Console:
     """A console that does not squeeze tables when its output goes to a file."""
     console = Console(highlight=False, stderr=stderr)
     return console if console.is_terminal else Console(highlight=False, stderr=stderr, width=160)
+
+
+class _Notices(logging.Handler):
+    """One line on whatever stderr is at the time."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        print(f"cosim: {record.getMessage()}", file=sys.stderr)
+
+
+def notices(*, shown: bool) -> None:
+    """Send what is worth a sentence, such as a plan being made, to stderr, or nowhere."""
+    log = logging.getLogger("cosim")
+    log.handlers = [_Notices()] if shown else [logging.NullHandler()]
+    log.setLevel(logging.INFO)
 
 
 def silent(_plan: Plan) -> None:

@@ -14,11 +14,12 @@ from cosim.schedule import Schedule
 
 
 def explanation(plan: Plan) -> list[tuple[str, Table]]:
-    """Titles and tables: order of execution, edges, unit conversions (if any) and unconnected inputs (if any)."""
+    """Titles and tables: order of execution and edges; if any, unit conversions, events and unconnected inputs."""
     tables = {
         f"{plan.scenario.name}: order at each tick (base tick {_ms(to_seconds(plan.schedule.tick))})": _order(plan),
         "edges": _edges(plan.nodes, plan.schedule),
         "unit conversions": _conversions(plan.nodes),
+        "values set during the run": _changes(plan),
         "inputs that hold their start value": _unconnected(plan.nodes),
     }
     return [(title, table) for title, table in tables.items() if table.row_count]
@@ -60,10 +61,22 @@ def _conversions(nodes: Mapping[str, Node]) -> Table:
     return table
 
 
+def _changes(plan: Plan) -> Table:
+    table = _table("at", "input", "value", "taken in")
+    found = [(change, node) for node in plan.nodes.values() for change in node.changes]
+    for change, node in sorted(found, key=lambda pair: pair[0].time):
+        unit = node.face.ports[change.variable].unit or ""
+        value = f"{change.value} {unit if unit != '1' else ''}".strip()
+        taken = f"{to_seconds(change.due):g} s" if change.due < plan.stop else "never: after the end"
+        table.add_row(f"{to_seconds(change.time):g} s", f"{node.name}.{change.variable}", value, taken)
+    return table
+
+
 def _unconnected(nodes: Mapping[str, Node]) -> Table:
     table = _table("instance", "inputs")
     for node in nodes.values():
-        free = [name for name in node.face.inputs if name not in node.incoming]
+        changed = {change.variable for change in node.changes}
+        free = [name for name in node.face.inputs if name not in node.incoming and name not in changed]
         if free:
             table.add_row(node.name, ", ".join(free))
     return table

@@ -2,12 +2,13 @@
 
 At a tick t: parallel slaves whose step ends at t publish their outputs; due sequential slaves run in dataflow order,
 each reading the newest signals; the recorder takes a row; due parallel slaves take their inputs and step together.
+Inputs that events change are set just before their slave takes its other inputs.
 Sequential are the sampled slaves and parallel the continuous ones; with the scheme "jacobi" all are parallel.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from ctypes import c_double
 from dataclasses import dataclass
 from functools import partial
@@ -88,7 +89,7 @@ class Master:
         """
         start = perf_counter_ns()
         status, reason, time = "ok", "", 0
-        ticks = self._ticks(stop, record)
+        ticks = self._with_changes(self._ticks(stop, record), record)
         try:
             time = self._loop(ticks, progress, interrupted, stop)
             if time < stop:
@@ -138,6 +139,27 @@ class Master:
                     yield time, [partial(self._cut, time, stop), *actions]
                 else:
                     yield time, actions
+
+    def _with_changes(
+        self, ticks: Iterator[tuple[int, list[Action]]], record: Action
+    ) -> Iterator[tuple[int, list[Action]]]:
+        """The ticks, with the events of sequential slaves before all else and those of parallel ones after the row."""
+        first, last = (self._changes(names) for names in (self.schedule.sequential, self.schedule.parallel))
+        for time, actions in ticks:
+            if time in first or time in last:
+                place = actions.index(record) + 1
+                yield time, [*first.get(time, []), *actions[:place], *last.get(time, []), *actions[place:]]
+            else:
+                yield time, actions
+
+    def _changes(self, names: Iterable[str]) -> dict[int, list[Action]]:
+        """What sets the changed inputs of the instances, by the tick [ns] at which they take them in."""
+        found: dict[int, list[Action]] = {}
+        for name in names:
+            for change in self._nodes[name].changes:
+                action = partial(self._slaves[name].set, {change.variable: change.value})
+                found.setdefault(change.due, []).append(action)
+        return found
 
     def _cut(self, time: int, stop: int) -> None:
         for name in self.schedule.parallel:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from cosim.assembly import Node, assemble
-from cosim.clock import nanoseconds
+from cosim.clock import SECOND, nanoseconds, to_seconds
 from cosim.errors import CosimError, because
 from cosim.loader import Loader
 from cosim.master import Master, Outcome
@@ -22,6 +22,7 @@ from cosim.scenario import Scenario, configured
 from cosim.schedule import Schedule, Scheme, schedule
 from cosim.slave import Slave, SlaveError
 from cosim.summary import SUMMARY, summarise, write_summary
+from cosim.system import System
 
 OVERVIEW = "overview.png"
 WRITTEN = (SUMMARY, OVERVIEW, PARQUET, STREAM)  # what a run leaves in its folder
@@ -44,7 +45,8 @@ class Plan:
 class Request:
     """What the user asked for: `assignments` are (instance.variable or scenario.setting, text).
 
-    `step` [s], if given, is the communication step of all instances instead of a period for each.
+    `step` [s], if given, is the communication step of all instances instead of a period for each. `events` are
+    (time [s], instance.variable, text), besides those of the scenario.
     """
 
     scenario: Scenario
@@ -54,6 +56,13 @@ class Request:
     stop_time: float | None = None
     scheme: Scheme = "multirate"
     step: float | None = None
+    events: Sequence[tuple[float, str, str]] = ()
+
+    @property
+    def stop(self) -> int:
+        """The end of the run [ns]."""
+        seconds = self.scenario.stop_time if self.stop_time is None else self.stop_time
+        return nanoseconds(seconds, "the stop time")
 
 
 def run(
@@ -65,16 +74,36 @@ def run(
 
     A slave that fails or an interrupt end the run with that status; what was recorded until then is kept.
     """
-    scenario = request.scenario
-    seconds = scenario.stop_time if request.stop_time is None else request.stop_time
-    stop = nanoseconds(seconds, "the stop time")
-    system = configured(scenario, request.assignments)
+    scenario, stop = request.scenario, request.stop
+    system = requested(request)
     with Loader(scenario.find) as loader:
         nodes = assemble(system, loader.faces(system), request.seed, request.step)
+        in_time(request, nodes)
         plan = Plan(scenario, nodes, schedule(nodes, request.scheme), stop, request.seed)
         explain(plan)
         outcome = execute(plan, lambda: loader.slaves(system, nodes), request.folder, progress)
     return _conclude(plan, outcome, request.folder)
+
+
+def requested(request: Request) -> System:
+    """The scenario's system with the user's values and events."""
+    system = configured(request.scenario, request.assignments)
+    for time, signal_, value in request.events:
+        system.at(time, signal_, value)
+    return system
+
+
+def in_time(request: Request, nodes: Mapping[str, Node]) -> None:
+    """Raises CosimError for an event of the user that the run would not reach; those of a scenario may be cut off."""
+    stop, asked = request.stop, {(round(time * SECOND), signal_) for time, signal_, _ in request.events}
+    for node in nodes.values():
+        for change in node.changes:
+            name = f"{node.name}.{change.variable}"
+            if (change.time, name) in asked and change.due >= stop:
+                raise CosimError(
+                    f"{name} cannot be set at {to_seconds(change.time):g} s: the run ends at {to_seconds(stop):g} s, "
+                    f"and {node.name} would take it in at {to_seconds(change.due):g} s"
+                )
 
 
 def execute(plan: Plan, load: Load, folder: Path, progress: Progress = lambda _time: None) -> Outcome:

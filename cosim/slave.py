@@ -53,12 +53,12 @@ class SlaveError(Exception):
 
 
 class Slave(Protocol):
-    """Call order: set, enter, bind, (calls.set, calls.get)*, leave, (calls.set, calls.step, calls.get)*, close."""
+    """Call order: set, enter, bind, (calls.set, calls.get)*, leave, (set, calls.set, calls.step, calls.get)*, close."""
 
     face: Face
 
     def set(self, values: Mapping[str, Value]) -> None:
-        """Set parameters and start values of inputs; raises SlaveError."""
+        """Set parameters and start values of inputs, between steps inputs that are not connected; raises SlaveError."""
 
     def enter(self) -> None:
         """Set up the experiment at time 0 and enter initialisation mode; raises SlaveError."""

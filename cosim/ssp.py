@@ -1,14 +1,15 @@
 """A system as SSP 1.0: SystemStructure.ssd with the FMUs and one set of parameter values per instance in resources/.
 
-Other tools read everything they need from it. What SSP 1.0 has no place for, the communication period of an instance,
-is an annotation of type "cosim". Files named by String parameters are not packed.
+Other tools read everything they need from it. What SSP 1.0 has no place for, the communication period of an instance
+and values that change during the run, is an annotation of type "cosim". Tables named by String parameters travel in the
+resources of the FMU that reads them.
 """
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -17,8 +18,8 @@ from cosim.clock import to_seconds
 from cosim.errors import CosimError, because
 from cosim.face import Port, Value
 from cosim.loader import Loader
-from cosim.run import Request
-from cosim.scenario import configured
+from cosim.packing import Model, packed, take_tables_along
+from cosim.run import Request, in_time, requested
 from cosim.units import BASE, Unit
 
 SSD = "http://ssp-standard.org/SSP1/SystemStructureDescription"
@@ -27,27 +28,23 @@ SSV = "http://ssp-standard.org/SSP1/SystemStructureParameterValues"
 COSIM = "urn:cosim"
 PARAMETERS = "parameters"  # one name for all sets: some tools choose by name which to apply
 _PREFIXES = {"ssd": SSD, "ssc": SSC, "ssv": SSV, "cosim": COSIM}
-
-
-@dataclass(frozen=True, slots=True)
-class Model:
-    """A model's file and the name it has in resources/."""
-
-    file: Path
-    name: str
+_LOG = logging.getLogger("cosim")
 
 
 def export(request: Request, file: Path) -> Path:
     """Write the scenario as `file` (.ssp) and return it; raises CosimError. Equal requests give equal bytes."""
     from fmukit.build.archive import pack, write  # noqa: PLC0415  (lazy: imports PythonFMU's builder)
 
-    system = configured(request.scenario, request.assignments)
+    system = requested(request)
     with Loader(request.scenario.find) as loader:
         nodes = assemble(system, loader.faces(system), request.seed)
         models = _models({name: loader.file(instance.model) for name, instance in system.instances.items()})
-    stop = request.scenario.stop_time if request.stop_time is None else request.stop_time
-    members = {f"resources/{model.name}": model.file.read_bytes() for model in models.values()}
-    members["SystemStructure.ssd"] = structure(request.scenario.name, nodes, models, stop)
+    in_time(request, nodes)
+    for node in nodes.values():
+        take_tables_along(node, models[node.name])
+    _tell_what_is_lost(nodes)
+    members = {f"resources/{model.name}": packed(model) for model in models.values()}
+    members["SystemStructure.ssd"] = structure(request.scenario.name, nodes, models, to_seconds(request.stop))
     members |= {_values_file(node): values(node) for node in nodes.values() if node.values}
     try:
         return write(file, pack(members))
@@ -63,6 +60,7 @@ def structure(name: str, nodes: Mapping[str, Node], models: Mapping[str, Model],
     for node in nodes.values():
         _component(elements, node, models[node.name])
     _connections(system, nodes.values())
+    _events(system, nodes.values())
     _units(root, nodes.values())
     ET.SubElement(root, f"{{{SSD}}}DefaultExperiment", startTime="0.0", stopTime=repr(float(stop)))
     return _text(root)
@@ -80,12 +78,21 @@ def values(node: Node) -> bytes:
 
 def _models(files: Mapping[str, Path]) -> dict[str, Model]:
     """A name of its own in resources/ for every file: the file's, numbered where two files share it."""
-    names: dict[Path, str] = {}
+    models: dict[Path, Model] = {}
     for file in files.values():
-        if file not in names:
-            again = sum(other.stem == file.stem for other in names)
-            names[file] = f"{file.stem}-{again + 1}.fmu" if again else f"{file.stem}.fmu"
-    return {instance: Model(file, names[file]) for instance, file in files.items()}
+        if file not in models:
+            again = sum(other.stem == file.stem for other in models)
+            models[file] = Model(file, f"{file.stem}-{again + 1}.fmu" if again else f"{file.stem}.fmu")
+    return {instance: models[file] for instance, file in files.items()}
+
+
+def _tell_what_is_lost(nodes: Mapping[str, Node]) -> None:
+    count = sum(len(node.changes) for node in nodes.values())
+    if count:
+        values = "1 value that changes" if count == 1 else f"{count} values that change"
+        _LOG.warning(
+            "SSP 1.0 has no place for %s during the run: an annotation keeps it, other tools ignore it", values
+        )
 
 
 def _component(elements: ET.Element, node: Node, model: Model) -> None:
@@ -138,6 +145,19 @@ def _connection(parent: ET.Element, connection: Connection) -> None:
         element.set("suppressUnitConversion", "true")
         factor, offset = connection.conversion.factor, connection.conversion.offset
         ET.SubElement(element, f"{{{SSC}}}LinearTransformation", factor=repr(factor), offset=repr(offset))
+
+
+def _events(system: ET.Element, nodes: Iterable[Node]) -> None:
+    """Values set during the run, in the units of the FMU."""
+    found = [(change, node) for node in nodes for change in node.changes]
+    if not found:
+        return
+    annotations = ET.SubElement(system, f"{{{SSD}}}Annotations")
+    parent = ET.SubElement(annotations, f"{{{SSC}}}Annotation", type="cosim")
+    for change, node in sorted(found, key=lambda pair: pair[0].time):
+        time, value = repr(to_seconds(change.time)), _literal(change.value)
+        names = {"time": time, "element": node.name, "connector": change.variable, "value": value}
+        ET.SubElement(parent, f"{{{COSIM}}}Event", names)
 
 
 def _units(root: ET.Element, nodes: Iterable[Node]) -> None:

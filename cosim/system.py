@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
@@ -16,6 +17,16 @@ class Instance:
     model: str
     parameters: dict[str, Value] = field(default_factory=dict)
     period: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """`variable`, an unconnected input of `instance`, takes `value` at `time` [s]."""
+
+    time: float
+    instance: str
+    variable: str
+    value: Value
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,10 +50,11 @@ class Wire:
 
 @dataclass
 class System:
-    """Instances by name, in the order in which they are listed and recorded, and the wires between them."""
+    """Instances by name, in the order in which they are listed and recorded, wires between them, and events."""
 
     instances: dict[str, Instance] = field(default_factory=dict)
     wires: list[Wire] = field(default_factory=list)
+    events: list[Event] = field(default_factory=list)
 
     def add(
         self, name: str, model: str, parameters: Mapping[str, Value] | None = None, period: float | None = None
@@ -68,6 +80,19 @@ class System:
         instance, variable = self.split(assignment)
         self.instances[instance].parameters[variable] = value
 
+    def at(self, time: float, signal: str, value: Value) -> Event:
+        """From `time` [s] on the unconnected input `instance.variable` holds `value`, until an event sets it again.
+
+        It takes effect when the instance next takes its inputs, at that time or after it. Of two events for one input
+        at one time the later call counts.
+        """
+        if not (math.isfinite(time) and time >= 0.0):
+            raise CosimError(f"{signal} cannot be set at {time:g} s; give a time that is finite and not negative")
+        event = Event(time, *self.split(signal), value)
+        place = (event.time, event.instance, event.variable)
+        self.events = [e for e in self.events if (e.time, e.instance, e.variable) != place] + [event]
+        return event
+
     def split(self, signal: str) -> tuple[str, str]:
         """(instance, variable) of `instance.variable`, with the longest instance name that fits."""
         fitting = [name for name in self.instances if signal.startswith(name + ".")]
@@ -86,3 +111,19 @@ def parse_assignments(texts: Iterable[str]) -> list[tuple[str, str]]:
             raise CosimError(f"cannot read {text!r}; write --set instance.variable=value")
         pairs.append((name.strip(), value.strip()))
     return pairs
+
+
+def parse_events(texts: Iterable[str]) -> list[tuple[float, str, str]]:
+    """[(3.0, "mpc.motor_available.rr", "0")] from ["3.0:mpc.motor_available.rr=0"]."""
+    events = []
+    for text in texts:
+        time, colon, assignment = text.partition(":")
+        name, equals, value = assignment.partition("=")
+        try:
+            seconds = float(time)
+        except ValueError:
+            colon = ""
+        if not (colon and equals) or "." not in name.strip():
+            raise CosimError(f"cannot read {text!r}; write --at time:instance.variable=value with the time in seconds")
+        events.append((seconds, name.strip(), value.strip()))
+    return events
