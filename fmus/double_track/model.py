@@ -45,7 +45,7 @@ def slip_angles(car: DoubleTrackCar, x: ca.SX) -> ca.SX:
     return ca.vertcat(delta, delta, 0, 0) - ca.vertcat(*directions)
 
 
-def motion(car: DoubleTrackCar, x: ca.SX, u: ca.SX, a: ca.SX, friction: float | None = None) -> Motion:
+def motion(car: DoubleTrackCar, x: ca.SX, u: ca.SX, a: ca.SX, friction: ca.SX | float | None = None) -> Motion:
     """The motion with the wheel loads of the accelerations a = (a_x, a_y) [m/s2].
 
     Loads and accelerations determine each other; `a` from the step before breaks the loop. With `friction` the

@@ -19,7 +19,7 @@ def lateral(tyre: Tyre, alpha: ca.SX, D: ca.SX | float | None = None) -> ca.SX:
     return (tyre.D if D is None else D) * ca.sin(tyre.C * ca.atan(Ba - tyre.E * (Ba - ca.atan(Ba))))
 
 
-def ellipse(U: ca.SX, F_z: ca.SX | float, friction: float) -> ca.SX:
+def ellipse(U: ca.SX, F_z: ca.SX | float, friction: ca.SX | float) -> ca.SX:
     """Part of the lateral force left beside the longitudinal force U [N]: sqrt(1 - (U / (mu F_z))^2), kept above 0."""
     return ca.sqrt(ca.fmax(1 - (U / (friction * F_z)) ** 2, 0) + _FLOOR)
 

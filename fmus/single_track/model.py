@@ -18,7 +18,7 @@ def slips(car: Car, x: ca.SX) -> tuple[ca.SX, ca.SX]:
     return delta - ca.atan((v_y + car.l_F * omega_z) / v_x), ca.atan((car.l_R * omega_z - v_y) / v_x)
 
 
-def derivative(car: Car, x: ca.SX, u: ca.SX, friction: float | None = None) -> ca.SX:
+def derivative(car: Car, x: ca.SX, u: ca.SX, friction: ca.SX | float | None = None) -> ca.SX:
     """x' (7); with `friction` the lateral forces shrink by the friction ellipse."""
     v, delta = x[2], x[6]
     loads, U = car.static_loads, (u[1], u[2])

@@ -69,12 +69,12 @@ def without_drive(car: DoubleTrackCar, x: Any, a: Any) -> tuple[Any, Any, Any]:
     x (7) is the state of the double-track car, a (2) [m/s2] the accelerations behind its wheel loads.
     """
     p = car.planar
-    found = motion(car, x, ca.DM.zeros(5), a)
+    found = motion(car, x, ca.SX.zeros(5), a)
     return ca.vertcat(p.m * found.acceleration, p.I_zz * found.x_dot[5]), found.F_z, found.F_t
 
 
 def bounds(
-    limits: Limits, F_z: Any, F_t: Any, v: Any, available: Any, previous: Any = None, period: Any = None
+    limits: Limits, F_z: Any, F_t: Any, v: Any, *, available: Any, previous: Any = None, period: Any = None
 ) -> tuple[Any, Any]:
     """Lowest and highest force (4, 4) [N] of each wheel, never crossed.
 
@@ -92,7 +92,7 @@ def bounds(
 
 
 def problem(
-    G: Any, c: Any, y_star: Any, previous: Any, low: Any, high: Any, weights: Weights | None = None
+    G: Any, c: Any, y_star: Any, *, previous: Any, low: Any, high: Any, weights: Weights | None = None
 ) -> tuple[Any, Any, Any, Any, Any]:
     """(P_nz (10), q (4), A_nz (4), l (4), u (4)) of the QP 1/2 U'PU + q'U, l <= A U <= u in kN; A is the identity.
 
