@@ -141,6 +141,62 @@ def test_every_loop_can_be_switched_off(kernel: Kernel) -> None:
     assert all(controller[f"suspension_force.{w}"] == 0.0 for w in WHEELS)
 
 
+FED = {"speed.fed_through": True, "yaw.fed_through": True}
+LOOPS = {"command.speed": 30.0, "estimate.velocity.x": 20.0, "command.yaw_rate": 0.3, "command.steer_feedforward": 0.2}
+
+
+def test_torques_are_fed_through_as_they_are(kernel: Kernel) -> None:
+    controller = Direct(COMPONENT, FED, kernel=kernel)
+    wheel, brake = [900.0, -800.0, 9000.0, -1.0], [0.0, 100.0, 12000.0, 3.0]
+    commands = {f"command.wheel_torque.{w}": value for w, value in zip(WHEELS, wheel, strict=True)}
+    commands |= {f"command.brake_torque.{w}": value for w, value in zip(WHEELS, brake, strict=True)}
+    for v in (20.0, 0.0):  # at rest too: nothing holds the brakes
+        controller.set(LOOPS | commands | {"command.speed": 0.0, "estimate.velocity.x": v})
+        run(controller, 200)
+        np.testing.assert_array_equal(torques(controller, "wheel"), wheel)
+        np.testing.assert_array_equal(torques(controller, "brake"), brake)
+        assert controller["saturation.drive"] == 0.0
+        assert state(controller, "speed_integral") == 0.0
+
+
+def test_the_steering_angle_is_fed_through_a_first_order_filter_only(kernel: Kernel) -> None:
+    """No D/S filter: after one time constant of 10 ms the demand has come 1 - 1/e of the way."""
+    controller = Direct(COMPONENT, FED, kernel=kernel)
+    controller.set(LOOPS)
+    run(controller, 1, command__steer_angle=0.05)
+    assert controller["steer_demand"] == 0.05
+    controller.set({"command.steer_angle": 0.052})
+    run(controller, 11)
+    assert controller["steer_demand"] == pytest.approx(0.052 - 0.002 / np.e, rel=1e-12)
+    assert controller["saturation.steering"] == 0.0
+    assert state(controller, "yaw_integral") == 0.0
+
+
+def test_a_fed_through_steering_angle_keeps_the_limits_of_the_actuator(kernel: Kernel) -> None:
+    controller, angles = Direct(COMPONENT, FED, kernel=kernel), []
+    run(controller, 1)
+    controller.set({"command.steer_angle": 1.9})
+    for _ in range(1000):
+        run(controller, 1)
+        angles.append(controller["steer_demand"])
+    assert np.diff(angles).max() / 1e-3 == pytest.approx(0.7)
+    assert max(angles) == pytest.approx(0.5)
+    assert controller["saturation.steering"] == 1.0
+
+
+def test_servos_and_suspension_work_on_when_commands_are_fed_through(kernel: Kernel) -> None:
+    """The same steering angle by both ways, reached: the same torques and forces."""
+    measured = {"steer_angle.fl": 0.03, "steer_angle.fr": 0.03, "estimate.roll": 0.02, "estimate.velocity.x": 20.0}
+    fed, closed = Direct(COMPONENT, FED, kernel=kernel), Direct(COMPONENT, {"yaw.enabled": False}, kernel=kernel)
+    fed.set(measured | {"command.steer_angle": 0.04})
+    closed.set(measured | {"command.steer_feedforward": 0.04})
+    run(fed, 50)
+    run(closed, 50)
+    names = [*(f"steer_torque.{side}" for side in ("fl", "fr")), *(f"suspension_force.{w}" for w in WHEELS)]
+    assert all(abs(closed[name]) > 1.0 for name in names)
+    assert [fed[name] for name in names] == pytest.approx([closed[name] for name in names], rel=1e-12)
+
+
 @pytest.mark.parametrize("delta", [-0.4, -0.02, 0.0, 0.1, 0.45])
 def test_ackermann_wheels_share_one_centre(delta: float) -> None:
     """The perpendiculars of both front wheels meet the rear axle in the centre of the bicycle model."""

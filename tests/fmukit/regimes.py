@@ -150,6 +150,9 @@ def _low_level(t: float) -> Values:
     return {
         **_group("command", ("acceleration", "speed", "yaw_rate"), 0.5, SPEED + 0.3, RATE + 0.02),
         **_group("command", ("steer_feedforward", "heave", "roll", "pitch"), 0.03, 0.005, 0.01, -0.01),
+        **_group("command.wheel_torque", WHEELS, 50.0, 60.0, 70.0, 80.0),
+        **_group("command.brake_torque", WHEELS, 10.0, 20.0, 30.0, 40.0),
+        "command.steer_angle": 0.02,
         **_group("estimate", ("velocity.x", "yaw_rate"), SPEED, RATE),
         **_group("estimate", ("roll", "pitch", "roll_rate", "pitch_rate"), 0.02, 0.01, 0.05, -0.05),
         **_group("steer_angle", FRONT, 0.029, 0.028),

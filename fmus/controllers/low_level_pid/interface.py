@@ -24,6 +24,9 @@ def _commands() -> list[Variable]:
         input_("command.heave", "m", "commanded height of the body above its nominal height"),
         input_("command.roll", "rad", "commanded roll angle"),
         input_("command.pitch", "rad", "commanded pitch angle"),
+        *group(input_, "command.wheel_torque", WHEELS, "N.m", "motor torque if fed through", minimum=-2e4, maximum=2e4),
+        *group(input_, "command.brake_torque", WHEELS, "N.m", "brake torque if fed through", minimum=0.0, maximum=2e4),
+        input_("command.steer_angle", "rad", "steering angle if fed through", minimum=-2.0, maximum=2.0),
     ]
 
 

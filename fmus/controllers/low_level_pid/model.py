@@ -54,7 +54,9 @@ def _step() -> ca.Function:
     derived, state = DERIVED.split(d), STATES.split(x)
     command, filters = _smooth(derived, state, u)
     v = u["estimate.velocity.x"]
-    drive = speed.drive(p, v, command["speed"][0], command["acceleration"][0], state["speed_integral"])
+    closed = speed.drive(p, v, command["speed"][0], command["acceleration"][0], state["speed_integral"])
+    torques = (u.vector(f"command.{kind}_torque", WHEELS) for kind in ("wheel", "brake"))
+    drive = speed.or_fed_through(p, closed, *torques)
     steer, steer_next = _steer(p, u, state, command, drive.standing)
     lift, lift_next = _lift(p, u, derived, state, command)
     values = {
@@ -90,7 +92,7 @@ def _steer(
 ) -> tuple[dict[str, ca.SX], dict[str, ca.SX]]:
     """Outputs and next states of the yaw rate loop and the servos."""
     v, yaw_rate = u["estimate.velocity.x"], u["estimate.yaw_rate"]
-    feedforward = command["steer_feedforward"][0]
+    feedforward = ca.if_else(p["yaw.fed_through"], u["command.steer_angle"], command["steer_feedforward"][0])
     angle = ca.if_else(state["started"], state["steer_angle"], feedforward)
     error = command["yaw_rate"][0] - yaw_rate
     demand = steering.demand(p, v, feedforward, error, (angle, state["yaw_integral"]))

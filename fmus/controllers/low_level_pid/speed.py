@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 
@@ -44,6 +44,20 @@ def drive(p: Signals, v: ca.SX, v_d: ca.SX, a_d: ca.SX, integral: ca.SX) -> Driv
         saturated=saturated,
         integral=(1 - standing) * (integral + ca.if_else(saturated, 0, T * error)),
         standing=standing,
+    )
+
+
+def or_fed_through(p: Signals, closed: Drive, wheel_torque: ca.SX, brake_torque: ca.SX) -> Drive:
+    """The result of the closed loop, or with `speed.fed_through` the commanded torques (4 each) [N.m] as they are."""
+    fed = p["speed.fed_through"]
+    loop = 1 - fed
+    return replace(
+        closed,
+        wheel_torque=ca.if_else(fed, wheel_torque, closed.wheel_torque),
+        brake_torque=ca.if_else(fed, brake_torque, closed.brake_torque),
+        saturated=loop * closed.saturated,
+        integral=loop * closed.integral,
+        standing=loop * closed.standing,
     )
 
 

@@ -24,19 +24,21 @@ def demand(p: Signals, v: ca.SX, feedforward: ca.SX, error: ca.SX, kept: tuple[c
     """delta = delta_ff + I_zz / (l_F' C_F) (2 lambda e + lambda^2 int e) through a limited first-order filter.
 
     error [rad/s] of the yaw rate, feedforward [rad], kept: state of the filter [rad] and integral of the error [rad].
+    With `yaw.fed_through` delta is the feedforward alone and the integral rests.
     """
     angle, integral = kept
     T = p["sample_period"]
     fade = limit(v / p["yaw.fade_speed"], 0, 1)
     gain = p["design.yaw_inertia"] / ((p["design.l_f"] - p["design.pneumatic_trail"]) * p["design.cornering_front"])
-    wanted = p["yaw.enabled"] * fade * gain * double_pole(p["yaw.pole"], error, integral)
+    closed = p["yaw.enabled"] * (1 - p["yaw.fed_through"])
+    wanted = closed * fade * gain * double_pole(p["yaw.pole"], error, integral)
     feedback = limit(wanted, -p["yaw.limit"], p["yaw.limit"])
     target = feedforward + feedback
     reached = limit(target, -p["steering.angle_limit"], p["steering.angle_limit"])
     speed = (1 - ca.exp(-T / p["steering.filter_time"])) / T * (reached - angle)
     rate = limit(speed, -p["steering.rate_limit"], p["steering.rate_limit"])
     limited = ca.logic_or(ca.logic_or(feedback != wanted, reached != target), rate != speed)
-    frozen = ca.logic_or(limited, fade <= 0)
+    frozen = ca.logic_or(ca.logic_or(limited, fade <= 0), p["yaw.fed_through"])
     return Demand(rate, angle + T * rate, integral + ca.if_else(frozen, 0, T * error), limited)
 
 
