@@ -44,10 +44,11 @@ def replay(vehicle: Vehicle, nodes: Nodes, *, restart: bool = False) -> float:
     for k, T in enumerate(nodes.T):
         start = nodes.x[:, k] if restart else x
         arguments = vehicle, nodes.u[:, k]
-        x = solve_ivp(_motion, (0, T), start, method="DOP853", rtol=1e-9, atol=1e-9, args=arguments).y[:, -1]
+        x = solve_ivp(motion, (0, T), start, method="DOP853", rtol=1e-9, atol=1e-9, args=arguments).y[:, -1]
         worst = max(worst, float(np.hypot(*(x[:2] - nodes.x[:2, k + 1]))))
     return worst
 
 
-def _motion(_: float, x: Array, vehicle: Vehicle, u: Array) -> Array:
+def motion(_: float, x: Array, vehicle: Vehicle, u: Array) -> Array:
+    """x' in the form that SciPy's integrators want."""
     return vehicle.f(x, u).full().ravel()

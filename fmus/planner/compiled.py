@@ -33,12 +33,13 @@ class Solver:
 def solver(program: Program, options: dict[str, Any], *, compile_: bool = True) -> Solver:
     """The solver, compiled if asked for and possible; without a compiler CasADi's virtual machine, saying so."""
     start = perf_counter()
-    if not compile_:
-        return Solver(ca.nlpsol("plan", "ipopt", program.nlp, options), "interpreted", perf_counter() - start)
-    try:
-        call, how = _load(program, options), "compiled"
-    except (BuildError, OSError) as error:
-        call, how = ca.nlpsol("plan", "ipopt", program.nlp, options), f"interpreted, because {error}"
+    how = "interpreted"
+    if compile_:
+        try:
+            return Solver(_load(program, options), "compiled", perf_counter() - start)
+        except (BuildError, OSError) as error:
+            how = f"interpreted, because {error}"
+    call = ca.nlpsol("plan", "ipopt", program.nlp, options | program.derivatives)
     return Solver(call, how, perf_counter() - start)
 
 
@@ -64,6 +65,7 @@ def _library(program: Program) -> Path:
 def _key(program: Program) -> str:
     """Of the program itself, so that other numbers anywhere in it mean another library."""
     text = ca.Function("nlp", program.nlp, ["x", "p"], ["f", "g"]).serialize()
+    text += "".join(function.serialize() for function in program.derivatives.values())
     parts = [text, ca.CasadiMeta.version(), compiler.identity(compiler.host_platform()), *_FLAGS]
     return blake2b("\n".join(parts).encode(), digest_size=10).hexdigest()
 
@@ -72,7 +74,7 @@ def _make(program: Program, path: Path) -> None:
     """Generate and compile beside the target, then move it there in one step: another process may do the same."""
     with tempfile.TemporaryDirectory(dir=path.parent) as name:
         folder = Path(name)
-        generator = ca.nlpsol("plan", "ipopt", program.nlp, {"calc_lam_p": False})
+        generator = ca.nlpsol("plan", "ipopt", program.nlp, {"calc_lam_p": False, **program.derivatives})
         (folder / "nlp.c").write_text(_code(generator), "utf-8")
         line = [*compiler.command(compiler.host_platform()), *_FLAGS, "-o", "nlp.so", "nlp.c", "-lm"]
         done = subprocess.run(line, cwd=folder, capture_output=True, text=True, check=False)

@@ -8,9 +8,9 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
+from fmus.planner.blocks import shots, with_derivatives
 from fmus.planner.gates import Array, Gates
 from fmus.planner.program import Ends, Program, decision, limits, roughness, scaled, state_bounds
-from fmus.planner.shooting import interval
 from fmus.planner.vehicle import Vehicle
 
 _SHORTEST, _LONGEST = 1e-3, 2.0
@@ -22,29 +22,18 @@ def program(vehicle: Vehicle, gates: Gates, ends: Ends, *, substeps: int, smooth
     """Minimise the sum of the interval lengths plus `smoothing` times the roughness of the inputs."""
     m = len(gates.frames) - 1
     s, steps = decision(vehicle, m, m), ca.MX.sym("steps", 3, m)
-    gaps = _gap(vehicle, substeps).map(m)(s.x[:, :-1], s.u, s.T, s.X[:, 1:], steps)
+    gaps = shots(vehicle, s, steps, substeps)
     own = limits(vehicle, s)
     turn = s.X[2:, -1] - s.X[2:, 0] if gates.closed else ca.MX(0, 1)
     side = s.X[1, -1] - s.X[1, 0] if gates.closed else ca.MX(0, 1)
-    g = ca.vertcat(ca.vec(gaps), side, turn, own)
+    g = ca.vertcat(gaps.gaps, side, turn, own)
     nlp = {"x": s.column, "f": ca.sum2(s.T) + smoothing * roughness(s), "g": g, "p": ca.vec(steps)}
     lower, upper = _bounds(vehicle, gates, ends)
     free = np.zeros(g.numel())
     least = np.concatenate([np.zeros(g.numel() - own.numel()), np.full(own.numel(), -np.inf)])
-    return Program(nlp, lower, upper, least, free, gates.steps.ravel(), gates.frames, vehicle, m)
-
-
-def _gap(vehicle: Vehicle, substeps: int) -> ca.Function:
-    """(x, u, T, next scaled state, step to the next gate) -> scaled difference of the end state and the next state."""
-    scale, end = ca.DM(vehicle.scale), interval(vehicle.f, substeps)
-    x, u, T = ca.MX.sym("x", 7), ca.MX.sym("u", len(vehicle.input_scale)), ca.MX.sym("T")
-    following, step = ca.MX.sym("next", 7), ca.MX.sym("step", 3)
-    reached = end(x, u, T)
-    away, c, s = reached[:2] - step[:2], ca.cos(step[2]), ca.sin(step[2])
-    local = ca.vertcat(
-        c * away[0] + s * away[1], c * away[1] - s * away[0], reached[2:4], reached[4] - step[2], reached[5:]
+    return Program(
+        nlp, lower, upper, least, free, gates.steps.ravel(), gates.frames, vehicle, m, with_derivatives(nlp, gaps)
     )
-    return ca.Function("gap", [x, u, T, following, step], [local / scale - following])
 
 
 def _bounds(vehicle: Vehicle, gates: Gates, ends: Ends) -> tuple[Array, Array]:

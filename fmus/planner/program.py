@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import casadi as ca
@@ -42,23 +42,22 @@ class Nodes:
 
 @dataclass(frozen=True, slots=True)
 class Symbols:
-    """Scaled decision variables and their physical values."""
+    """All decision variables in one `column`, the scaled states, inputs and lengths in it, and physical values."""
 
+    column: ca.MX
     X: ca.MX
     U: ca.MX
     T: ca.MX
     x: ca.MX
     u: ca.MX
 
-    @property
-    def column(self) -> ca.MX:
-        """All decision variables."""
-        return ca.veccat(self.X, self.U, self.T)
-
 
 @dataclass(frozen=True, slots=True)
 class Program:
-    """`nlp` in scaled variables with their bounds; `origin` (m+1, 3): frames the states are written in."""
+    """`nlp` in scaled variables with their bounds; `origin` (m+1, 3): frames the states are written in.
+
+    `derivatives`: options `jac_g` and `hess_lag` of CasADi's solvers, which without them find their own.
+    """
 
     nlp: dict[str, Any]
     lower: Array
@@ -69,6 +68,7 @@ class Program:
     origin: Array
     vehicle: Vehicle
     intervals: int
+    derivatives: dict[str, ca.Function] = field(default_factory=dict)
 
     def pack(self, nodes: Nodes) -> Array:
         """Decision variables of a plan, within their bounds."""
@@ -88,10 +88,12 @@ class Program:
 
 def decision(vehicle: Vehicle, m: int, lengths: int) -> Symbols:
     """Fresh variables for m intervals with `lengths` (1 or m) free interval lengths."""
-    X, U = ca.MX.sym("X", len(vehicle.scale), m + 1), ca.MX.sym("U", len(vehicle.input_scale), m)
-    T = ca.MX.sym("T", 1, lengths)
+    n, n_u = len(vehicle.scale), len(vehicle.input_scale)
+    column = ca.MX.sym("w", n * (m + 1) + n_u * m + lengths)
+    X, U, T = ca.vertsplit(column, [0, n * (m + 1), n * (m + 1) + n_u * m, column.numel()])
+    X, U = ca.reshape(X, n, m + 1), ca.reshape(U, n_u, m)
     x, u = ca.diag(ca.DM(vehicle.scale)) @ X, ca.diag(ca.DM(vehicle.input_scale)) @ U
-    return Symbols(X, U, T, x, u)
+    return Symbols(column, X, U, T.T, x, u)
 
 
 def roughness(s: Symbols) -> ca.MX:

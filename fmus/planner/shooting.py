@@ -1,8 +1,14 @@
-"""One interval of the multiple shooting: Runge-Kutta over substeps with the input held."""
+"""One interval of the multiple shooting: Runge-Kutta over substeps with the input held, and its derivatives."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import casadi as ca
+
+from fmus.planner import sensitivity
+
+_CALL = {"never_inline": True}
 
 
 def interval(f: ca.Function, substeps: int) -> ca.Function:
@@ -24,4 +30,79 @@ def _substep(f: ca.Function) -> ca.Function:
     k3 = f(x + h / 2 * k2, u)
     k4 = f(x + h * k3, u)
     end = ca.cse(x + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4))
-    return ca.Function("substep", [x, u, h], [end], {"never_inline": True})
+    return ca.Function("substep", [x, u, h], [end], _CALL)
+
+
+@dataclass(frozen=True, slots=True)
+class Derivatives:
+    """Of the end x+ of an interval in y = (x, u, T), of size n_y.
+
+    `first` (x, u, T) -> dx+/dy (n, n_y); `second` (x, u, T, mu) -> upper triangle of d2(mu' x+)/dy2 (n_y, n_y).
+    """
+
+    first: ca.Function
+    second: ca.Function
+
+
+def derivatives(f: ca.Function, substeps: int) -> Derivatives:
+    """First and second derivatives of `interval(f, substeps)`, chained from those of one substep."""
+    x, u, T, mu = (ca.MX.sym("y", size) for size in (f.size1_in(0), f.size1_in(1), 1, f.size1_in(0)))
+    step, h = sensitivity.step(f), T / substeps
+    states, slopes = [x], []
+    for _ in range(substeps):
+        end, slope = step.first(states[-1], u, h)
+        states.append(end)
+        slopes.append(slope)
+    rules = _rules(step)
+    totals = [ca.project(slopes[0], rules.pattern)]
+    for slope in slopes[1:]:
+        totals.append(rules.chained(slope, totals[-1]))
+    H, weight = ca.MX(*step.second.size_out(0)), mu
+    for j in reversed(range(substeps)):
+        own = step.second(states[j], u, h, weight)
+        H = H + (rules.bent(totals[j - 1], own) if j else own)
+        weight = rules.pulled(slopes[j], weight)
+    scale = ca.DM.ones(f.size1_in(0) + f.size1_in(1) + 1)
+    scale[-1] = 1 / substeps
+    return Derivatives(
+        ca.Function("first_derivative", [x, u, T], [totals[-1] @ ca.diag(scale)]),
+        ca.Function("second_derivative", [x, u, T, mu], [ca.diag(scale) @ H @ ca.diag(scale)]),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Rules:
+    """Products of sparse matrices as flat functions; `pattern` is that of dx_j/d(x, u, h) for every j >= 1.
+
+    `chained` (S, A) -> S W, `bent` (A, H) -> triu W' H W, `pulled` (S, mu) -> S_x' mu, with W = (A; 0 I) the
+    derivative of (x_j, u, h).
+    """
+
+    pattern: ca.Sparsity
+    chained: ca.Function
+    bent: ca.Function
+    pulled: ca.Function
+
+
+def _rules(step: sensitivity.Step) -> _Rules:
+    S = ca.SX.sym("S", step.first.sparsity_out(1))
+    H = ca.SX.sym("H", step.second.sparsity_out(0))
+    n, mu = S.size1(), ca.SX.sym("mu", S.size1())
+    pattern = S.sparsity()
+    for _ in range(n):
+        pattern = pattern + (S @ _with_inputs(ca.SX(pattern))).sparsity()
+    A = ca.SX.sym("A", pattern)
+    W = _with_inputs(A)
+    full = H + H.T - ca.diag(ca.diag(H))
+    return _Rules(
+        pattern,
+        ca.Function("chained", [S, A], [ca.cse(ca.project(S @ W, pattern))], _CALL),
+        ca.Function("bent", [A, H], [ca.cse(ca.triu(W.T @ full @ W))], _CALL),
+        ca.Function("pulled", [S, mu], [S[:, :n].T @ mu], _CALL),
+    )
+
+
+def _with_inputs(A: ca.SX) -> ca.SX:
+    """(A; 0 I): A (n, n_y) with the rows of u and h below."""
+    n, n_y = A.shape
+    return ca.vertcat(A, ca.horzcat(ca.SX(n_y - n, n), ca.SX.eye(n_y - n)))

@@ -5,10 +5,10 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
+from fmus.planner.blocks import shots, with_derivatives
 from fmus.planner.gates import Array
 from fmus.planner.program import Ends, Program, decision, limits, roughness, scaled, state_bounds
 from fmus.planner.road import Corridor
-from fmus.planner.shooting import interval
 from fmus.planner.vehicle import Vehicle
 
 _SHORTEST, _LONGEST = 1.0, 60.0
@@ -17,17 +17,18 @@ _SHORTEST, _LONGEST = 1.0, 60.0
 def program(vehicle: Vehicle, road: Corridor, m: int, ends: Ends, *, substeps: int, smoothing: float) -> Program:
     """Minimise the end time plus `smoothing` times the roughness of the inputs; the variable is T = end time / m."""
     s = decision(vehicle, m, 1)
-    reached = interval(vehicle.f, substeps).map(m)(s.x[:, :-1], s.u, ca.repmat(s.T, 1, m))
-    gaps = ca.diag(1 / ca.DM(vehicle.scale)) @ reached - s.X[:, 1:]
+    gaps = shots(vehicle, s, ca.DM.zeros(3, m), substeps)
     beside = _beside(road).map(m + 1)(s.x[0, :], s.x[1, :])
     own = limits(vehicle, s)
-    g = ca.vertcat(ca.vec(gaps), ca.vec(beside), own)
+    g = ca.vertcat(gaps.gaps, ca.vec(beside), own)
     nlp = {"x": s.column, "f": m * s.T + smoothing * roughness(s), "g": g, "p": ca.MX(0, 1)}
     lower, upper = _bounds(vehicle, road, m, ends)
-    equalities = gaps.numel()
+    equalities = gaps.gaps.numel()
     least = np.concatenate([np.zeros(equalities), np.full(g.numel() - equalities, -np.inf)])
     frames = np.zeros((m + 1, 3))
-    return Program(nlp, lower, upper, least, np.zeros(g.numel()), np.zeros(0), frames, vehicle, 1)
+    return Program(
+        nlp, lower, upper, least, np.zeros(g.numel()), np.zeros(0), frames, vehicle, 1, with_derivatives(nlp, gaps)
+    )
 
 
 def _beside(road: Corridor) -> ca.Function:
