@@ -1,0 +1,142 @@
+"""Reference states, inputs and forces along a plan, and the four wheel forces that come closest to its motion.
+
+y* = (F_x, F_y, M_z) is what moves the planned single-track car; the double-track car in the same state, with the wheel
+loads of the planned accelerations, realises it as well as the limits of its wheels allow.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+import osqp
+from scipy import sparse
+
+from fmus.controllers.mpc_allocator import distribution
+from fmus.controllers.mpc_allocator.distribution import Limits, Weights
+from fmus.double_track.data import DoubleTrackCar
+from fmus.planner import check
+from fmus.planner.errors import PlanningError
+from fmus.planner.gates import Array
+from fmus.planner.hocp import Plan
+from fmus.single_track.data import Car
+from fmus.single_track.forces import STATES
+from fmus.wheels import WHEELS
+
+_Y = ("force_x", "force_y", "moment_z")
+COLUMNS = (
+    "time",
+    *STATES,
+    "omega_delta",
+    "axle_force.front",
+    "axle_force.rear",
+    *(f"wanted.{name}" for name in _Y),
+    *(f"wheel_force.{wheel}" for wheel in WHEELS),
+    *(f"residual.{name}" for name in _Y),
+)
+_TOLERANCE = 1e-8
+
+
+@dataclass(frozen=True, slots=True)
+class Forces:
+    """Along a plan at n times [s]: `states` (7, n), `inputs` (3, n), `wanted` y* (3, n), wheel forces `U` (4, n) [N].
+
+    `residual` (3, n) [N, N, N.m]: what the wheel forces give more than wanted.
+    """
+
+    times: Array
+    states: Array
+    inputs: Array
+    wanted: Array
+    U: Array
+    residual: Array
+
+    @property
+    def rms(self) -> Array:
+        """(3,) root mean square of the residual."""
+        return np.asarray(np.sqrt(np.mean(self.residual**2, axis=1)))
+
+    @property
+    def largest(self) -> Array:
+        """(3,) largest magnitude of the residual."""
+        return np.asarray(np.max(np.abs(self.residual), axis=1))
+
+
+def along(
+    plan: Plan,
+    car: DoubleTrackCar,
+    *,
+    limits: Limits | None = None,
+    weights: Weights | None = None,
+    available: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0),
+    finer: int = check.FINER,
+) -> Forces:
+    """Wheel forces along a plan of the single-track car `car.planar`; `available`: 1 sound motor, 0 lost, per wheel.
+
+    Each time is solved by itself, without a rate limit: planned inputs jump. Lateral forces are those without combined
+    slip. Raises PlanningError for a plan of a car with other inputs.
+    """
+    if plan.vehicle.name != "two_wheel_drive":
+        raise PlanningError(f"forces are known for plans of the two-wheel-driven car, not for {plan.vehicle.name}")
+    times, x, u = check.fine(plan.vehicle, plan.nodes, plan.substeps, finer)
+    y = _wanted(car.planar, plan.vehicle.f)(x, u).full()
+    data, lack = _problem(car, limits or Limits(), weights or Weights(), available)
+    U = _solved(*(part.full() for part in data(x, y)))
+    return Forces(times, x, u, y, U, lack(x, y, U).full())
+
+
+def write(forces: Forces, file: Path) -> None:
+    """Write `COLUMNS` as CSV; raises PlanningError when the file cannot be written."""
+    f = forces
+    table = np.vstack([f.times, f.states, f.inputs, f.wanted, f.U, f.residual]).T
+    rows = [",".join(COLUMNS), *(",".join(f"{value:.9g}" for value in row) for row in table)]
+    try:
+        file.write_text("\n".join(rows) + "\n", "utf-8")
+    except OSError as error:
+        raise PlanningError(f"{file} cannot be written ({error.strerror}); name another file") from error
+
+
+def _wanted(car: Car, f: ca.Function) -> ca.Function:
+    """(x, u) -> y* (3): the body forces and the moment behind x' of the planned car, planar motion inverted."""
+    x, u = ca.SX.sym("x", f.size1_in(0)), ca.SX.sym("u", f.size1_in(1))
+    rate = f(x, u)
+    along, across = car.m * rate[2], car.m * x[2] * (rate[3] + x[5])
+    c, s = ca.cos(x[3]), ca.sin(x[3])
+    y = ca.vertcat(along * c - across * s, along * s + across * c, car.I_zz * rate[5])
+    return ca.Function("wanted", [x, u], [y])
+
+
+def _problem(
+    car: DoubleTrackCar, limits: Limits, weights: Weights, available: tuple[float, ...]
+) -> tuple[ca.Function, ca.Function]:
+    """(x, y*) -> P_nz, q, l, u of the QP; (x, y*, U) -> residual of the forces U."""
+    x, y, U = ca.SX.sym("x", len(STATES)), ca.SX.sym("y", 3), ca.SX.sym("U", 4)
+    G = distribution.effectiveness(car, x[6])
+    c, F_z, F_t = distribution.without_drive(car, x, y[:2] / car.planar.m)
+    low, high = distribution.bounds(limits, F_z, F_t, x[2], available=ca.DM(available))
+    P_nz, q, _, least, most = distribution.problem(
+        G, c, y, previous=ca.DM.zeros(4), low=low, high=high, weights=weights
+    )
+    return (
+        ca.Function("distribution", [x, y], [P_nz, q, least, most]),
+        ca.Function("residual", [x, y, U], [distribution.residual(G, c, y, U)]),
+    )
+
+
+def _solved(P_nz: Array, q: Array, low: Array, high: Array) -> Array:
+    """U (4, n) [N] of n problems, one column each; OSQP warm started along the plan."""
+    rows, columns = distribution.PATTERN_P.get_triplet()
+    first = sparse.csc_matrix((P_nz[:, 0], (rows, columns)), shape=(4, 4))
+    options = {"eps_abs": _TOLERANCE, "eps_rel": _TOLERANCE, "max_iter": 20000, "scaling": 0, "verbose": False}
+    solver, U = osqp.OSQP(), np.zeros((4, q.shape[1]))
+    P_nz, q, low, high = (np.asfortranarray(part) for part in (P_nz, q, low, high))
+    solver.setup(first, q[:, 0], sparse.eye(4, format="csc"), low[:, 0], high[:, 0], **options)
+    for k in range(q.shape[1]):
+        solver.update(Px=P_nz[:, k], q=q[:, k], l=low[:, k], u=high[:, k])
+        found = solver.solve(raise_error=False)
+        if found.info.status_val != osqp.SolverStatus.OSQP_SOLVED:
+            raise PlanningError(f"the wheel forces at point {k} of the plan were not found (OSQP: {found.info.status})")
+        U[:, k] = distribution.N * np.clip(found.x, low[:, k], high[:, k])
+    return U
