@@ -1,4 +1,7 @@
-"""Run a component's kernel in this process, without an FMU: for tests, prototypes and the equality check of FMUs."""
+"""Run a component's kernel in this process, without an FMU: for tests, prototypes and the equality check of FMUs.
+
+A component that is a Python module is run from its source, with its libraries compiled for this machine (see `played`).
+"""
 
 from __future__ import annotations
 
@@ -10,6 +13,8 @@ import numpy as np
 
 from fmukit.interface import Interface, Value
 from fmukit.kernel import Component, Kernel
+from fmukit.played import Played
+from fmukit.python_kernel import PythonKernel
 
 _MASK = 2**64 - 1
 
@@ -41,7 +46,7 @@ def _next(state: int) -> tuple[int, float]:
 
 
 class Direct:
-    """One instance of a component, evaluated by casadi's own virtual machine.
+    """One instance of a component, its functions evaluated by casadi's own virtual machine.
 
     `parameters` and `inputs` are overrides by name of the start values; unknown names raise KeyError.
     """
@@ -52,10 +57,11 @@ class Direct:
         parameters: Mapping[str, Value] | None = None,
         inputs: Mapping[str, float] | None = None,
         table: np.ndarray | None = None,
-        kernel: Kernel | None = None,
+        kernel: Kernel | PythonKernel | None = None,
     ) -> None:
         self.interface = component.interface
-        self.kernel = kernel or component.kernel()
+        made = kernel or component.kernel()
+        self.kernel = Played(made, self.interface, parameters or {}) if isinstance(made, PythonKernel) else made
         self.p = _start(self.interface, "parameter", parameters or {})
         self.u = _start(self.interface, "input", inputs or {})
         self.samples = 0
@@ -88,6 +94,7 @@ class Direct:
 
     def advance(self, duration: float) -> None:
         """Integrate a continuous component over `duration` [s] with inputs held."""
+        assert isinstance(self.kernel, Kernel)
         assert self.kernel.output is not None
         count = substeps(duration, self.interface.max_substep)
         for _ in range(count):

@@ -33,6 +33,8 @@ from dataclasses import dataclass, field
 
 import casadi as ca
 
+from fmukit.kernel import Kernel
+
 _OPTIONS = {"calc_lam_p": False}
 
 
@@ -51,10 +53,15 @@ class PythonKernel:
     packages: Mapping[str, str] = field(default_factory=lambda: {"casadi": "3.7"})
 
 
-def nlp_functions(nlp: Mapping[str, ca.MX | ca.SX]) -> tuple[ca.Function, ...]:
+def nlp_functions(nlp: dict[str, ca.SX] | dict[str, ca.MX]) -> tuple[ca.Function, ...]:
     """The functions of a library for `casadi.nlpsol(name, "ipopt", path, options)`: the NLP and its derivatives.
 
     The options given there must have `calc_lam_p` False, as here. A library holds one NLP.
     """
-    solver = ca.nlpsol("nlp_solver", "ipopt", dict(nlp), _OPTIONS)
+    solver = ca.nlpsol("nlp_solver", "ipopt", nlp, _OPTIONS)
     return (solver.oracle(), *(solver.get_function(name) for name in solver.get_function()))
+
+
+def packages(kernel: Kernel | PythonKernel) -> Mapping[str, str]:
+    """What the host of an FMU made of this kernel must have: package -> least version."""
+    return kernel.packages if isinstance(kernel, PythonKernel) else {}

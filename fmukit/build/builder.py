@@ -12,8 +12,8 @@ from uuid import UUID
 import pythonfmu
 
 import fmukit.runtime
-from fmukit.build import about, archive, compiler, crosscheck, xml
-from fmukit.build.codegen import Code, generate
+from fmukit.build import about, archive, compiler, crosscheck, python_module, xml
+from fmukit.build.codegen import Code, generate, without_functions
 from fmukit.build.dependencies import initial_dependencies
 from fmukit.build.documentation import documents
 from fmukit.build.errors import BuildError
@@ -21,6 +21,7 @@ from fmukit.build.recording import recorded
 from fmukit.component import Component
 from fmukit.interface import Interface, Variable
 from fmukit.kernel import Kernel
+from fmukit.python_kernel import PythonKernel, packages
 
 _INIT = '''"""Made by fmukit: the slave class of this FMU."""
 
@@ -45,27 +46,30 @@ def build(
         compiler.command(platform)
     kernel = component.kernel()
     recording = recorded(component, kernel)
-    files = crosscheck.bundle(interface.name, recording) if bundle and recording else {}
-    members = _model(interface, kernel, targets) | documents(component, recording)
+    files = crosscheck.bundle(interface.name, recording, packages(kernel)) if bundle and recording else {}
+    members = _model(interface, kernel, targets) | documents(component, recording, packages(kernel))
     files[f"{interface.name}.fmu"] = archive.pack(members)
     for name, data in files.items():
         archive.write(Path(directory) / name, data)
     return Path(directory) / f"{interface.name}.fmu"
 
 
-def _model(interface: Interface, kernel: Kernel, targets: tuple[str, ...]) -> dict[str, bytes]:
+def _model(interface: Interface, kernel: Kernel | PythonKernel, targets: tuple[str, ...]) -> dict[str, bytes]:
     """Members of the archive that make it run."""
-    code = generate(interface, kernel)
-    files = _package(interface, code, {platform: library(code, platform) for platform in targets})
+    if isinstance(kernel, PythonKernel):
+        code, dependencies = without_functions(interface, kernel), None
+        more, program = python_module.files(kernel, targets)
+    else:
+        code, dependencies = generate(interface, kernel), initial_dependencies(interface, kernel)
+        more, program = {}, None
+    files = more | _package(interface, code, program, {platform: library(code, platform) for platform in targets})
     digest = _digest(files)
     package = f"fmu_{digest.hex()[:16]}"
     script = f"{interface.name.lower()}_{digest.hex()[:16]}"
     text = f"from {package} import {interface.name}, keep\nkeep(globals())\n"
     members = archive.only_platforms(archive.python_fmu(script, text, package, files), targets)
     guid = f"{{{UUID(bytes=digest[:16])}}}"
-    members["modelDescription.xml"] = xml.describe(
-        interface, guid, about.about(), initial_dependencies(interface, kernel)
-    )
+    members["modelDescription.xml"] = xml.describe(interface, guid, about.about(), dependencies)
     return members
 
 
@@ -80,16 +84,18 @@ def library(code: Code, platform: str) -> bytes:
         return compiler.run(folder, platform, ("shim.c", *code.units))
 
 
-def _package(interface: Interface, code: Code, libraries: Mapping[str, bytes]) -> dict[str, bytes]:
+def _package(
+    interface: Interface, code: Code, program: dict[str, object] | None, libraries: Mapping[str, bytes]
+) -> dict[str, bytes]:
     """Files of the package inside the FMU."""
     runtime = Path(fmukit.runtime.__file__).parent
     files = {f"runtime/{path.name}": path.read_bytes() for path in sorted(runtime.glob("*.py"))}
     files["__init__.py"] = _INIT.format(name=interface.name).encode()
-    files["interface.json"] = json.dumps(_description(interface, code), indent=1).encode()
+    files["interface.json"] = json.dumps(_description(interface, code, program), indent=1).encode()
     return files | {compiler.PLATFORMS[platform]: data for platform, data in libraries.items()}
 
 
-def _description(interface: Interface, code: Code) -> dict[str, object]:
+def _description(interface: Interface, code: Code, program: dict[str, object] | None) -> dict[str, object]:
     table = interface.table
     return {
         "name": interface.name,
@@ -99,6 +105,7 @@ def _description(interface: Interface, code: Code) -> dict[str, object]:
         "derived": code.derived,
         "states": code.states,
         "table": table and {"parameter": table.parameter, "columns": table.columns, "rows": table.rows},
+        "program": program,
         "variables": [_entry(variable) for variable in interface.variables],
     }
 

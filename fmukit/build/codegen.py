@@ -45,6 +45,15 @@ def generate(interface: Interface, kernel: Kernel) -> Code:
     return Code(text, _header(interface, functions, text, derived, states), derived, states, texts, units)
 
 
+def without_functions(interface: Interface, kernel: PythonKernel) -> Code:
+    """The library of a component that is a Python module: it knows the size of the buffer and checks limits."""
+    if interface.kind != "sampled" or interface.noise:
+        raise ValueError(f"{interface.name} is a Python module, which must be sampled and without noise")
+    header = _header(interface, {}, "", kernel.derived, kernel.states)
+    types = "#define casadi_int long long int\n"
+    return Code(types, f"{header}#define PYTHON 1\n", kernel.derived, kernel.states, {}, ())
+
+
 def _dense(function: ca.Function) -> ca.Function:
     """The function itself, or around one with structural zeros in its results one that writes them out."""
     if all(function.sparsity_out(i).is_dense() for i in range(function.n_out())):

@@ -2,21 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from fmukit import __version__
 from fmukit.build import about, pictures
-from fmukit.build.page import page
+from fmukit.build.page import NONE, page
 from fmukit.build.recording import Recording
 from fmukit.build.sources import component_folder
 from fmukit.component import Component
 
 
-def documents(component: Component, recording: Recording | None) -> dict[str, bytes]:
-    """Members of the archive by name; without a `recording` of its reference run the page has no plot."""
+def documents(
+    component: Component, recording: Recording | None, packages: Mapping[str, str] = NONE
+) -> dict[str, bytes]:
+    """Members of the archive by name; without a `recording` of its reference run the page has no plot.
+
+    `packages` are what the host's Python needs, with the least versions.
+    """
     interface, run = component.interface, recording.run if recording else None
     members = {
-        "resources/requirements.txt": b"",
+        "resources/requirements.txt": "".join(f"{name}>={least}\n" for name, least in packages.items()).encode(),
         "model.png": pictures.block(interface),
-        "documentation/index.html": page(interface, _readme(component), run, __version__).encode(),
+        "documentation/index.html": page(interface, _readme(component), run, __version__, packages).encode(),
         **about.licences(),
     }
     if recording is not None:

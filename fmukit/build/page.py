@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
+from types import MappingProxyType
 
 from markdown_it import MarkdownIt
 
 from fmukit.interface import Interface, Variable
 from fmukit.reference_run import ReferenceRun
 
+NONE: Mapping[str, str] = MappingProxyType({})
 _INDEX = re.compile(r"\[\d+]")
 _STYLE = """
 body { font: 15px/1.5 sans-serif; max-width: 62em; margin: 2em auto; padding: 0 1em; color: #222; }
@@ -30,13 +32,23 @@ _PAGE = """<!DOCTYPE html>
 """
 
 
-def page(interface: Interface, readme: str, run: ReferenceRun | None, version: str) -> str:
+def page(
+    interface: Interface, readme: str, run: ReferenceRun | None, version: str, packages: Mapping[str, str] = NONE
+) -> str:
     """What the FMU is, its reference run, its README and its variables. Pictures are files of the FMU."""
-    parts = [_head(interface, version), _run(run), _readme(readme), *_tables(interface)]
+    parts = [_head(interface, version, needs(packages)), _run(run), _readme(readme), *_tables(interface)]
     return _PAGE.format(name=escape(interface.name), style=_STYLE, body="\n".join(part for part in parts if part))
 
 
-def _head(interface: Interface, version: str) -> str:
+def needs(packages: Mapping[str, str]) -> str:
+    """What the host needs, as the end of a sentence."""
+    if not packages:
+        return "a Python 3 interpreter and no Python packages"
+    listed = " and ".join(f"{name} {least} or newer" for name, least in packages.items())
+    return f"a Python 3 interpreter with {listed}"
+
+
+def _head(interface: Interface, version: str, needed: str) -> str:
     substep = f", in substeps of at most {interface.max_substep:g} s" if interface.kind == "continuous" else ""
     kinds = {
         "continuous": "Continuous: it integrates over the step it is given",
@@ -45,7 +57,7 @@ def _head(interface: Interface, version: str) -> str:
     return f"""<h1>{escape(interface.name)}</h1>
 <p>{escape(interface.description)}.</p>
 <p>{kinds[interface.kind]}{substep}. Default step {interface.step:g} s.
-FMI 2.0 co-simulation, version {escape(version)}. The host needs a Python 3 interpreter and no Python packages.
+FMI 2.0 co-simulation, version {escape(version)}. The host needs {needed}.
 A refused or failed step sets the output <code>fault</code>, keeps all other outputs and is discarded; the reason is in
 the log. Licences: <a href="licenses/">licenses/</a>.</p>
 <p><img src="../model.png" alt="Block with the ports of {escape(interface.name)}"></p>"""

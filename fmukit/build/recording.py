@@ -10,6 +10,7 @@ import numpy as np
 from fmukit.component import Component
 from fmukit.direct import Direct
 from fmukit.kernel import Kernel
+from fmukit.python_kernel import PythonKernel
 from fmukit.reference_run import ReferenceRun, reference_run
 
 _DIGITS = 9
@@ -30,13 +31,13 @@ def shown(value: float) -> str:
     return f"{value:.{_DIGITS}g}"
 
 
-def recorded(component: Component, kernel: Kernel) -> Recording | None:
+def recorded(component: Component, kernel: Kernel | PythonKernel) -> Recording | None:
     """The component's reference run, played; None when it declares none."""
     run = reference_run(component)
     return None if run is None else record(component, kernel, run)
 
 
-def record(component: Component, kernel: Kernel, run: ReferenceRun) -> Recording:
+def record(component: Component, kernel: Kernel | PythonKernel, run: ReferenceRun) -> Recording:
     """Play the run; inputs are rounded to the digits of a file first, so that a file of them gives the same run."""
     times = np.round(np.arange(round(run.stop / run.step) + 1) * run.step, _DIGITS)
     starts = {variable.name: float(variable.start) for variable in component.interface.select("input")}

@@ -85,6 +85,7 @@ API int fmukit_misfit(const double *values, const double *low, const double *hig
   return 0;
 }
 
+#ifndef PYTHON
 API int fmukit_initialise(double *b, int64_t seed, const double *table, double rows) {
   normals(seed, 0, NOISE, normal);
   arg[0] = b + P, arg[1] = b + U, arg[2] = normal, arg[3] = table, arg[4] = &rows;
@@ -115,6 +116,7 @@ API int fmukit_sample(double *b, int64_t seed, int64_t index, double t) {
   if (STEP(arg, res, iw, work, 0)) return -1;
   return commit(b, 0, x[0]);
 }
+#endif
 #endif
 
 API void fmukit_normals(int64_t seed, int64_t index, int64_t count, double *drawn) {

@@ -37,6 +37,19 @@ class TableFile:
 
 
 @dataclass(frozen=True, slots=True)
+class Program:
+    """The Python modules that stand for the kernel, the first being the one called; see `fmukit/python_kernel.py`.
+
+    `packages` are pairs of a name and the least version; `derived` is the number of derived values.
+    """
+
+    modules: tuple[str, ...]
+    libraries: tuple[str, ...]
+    packages: tuple[tuple[str, str], ...]
+    derived: int
+
+
+@dataclass(frozen=True, slots=True)
 class Description:
     """One FMU: `size` is that of the whole buffer, `period_slot` and `seed_slot` are -1 where there is none.
 
@@ -53,6 +66,7 @@ class Description:
     period_slot: int
     seed_slot: int
     table: TableFile | None
+    program: Program | None
 
     @property
     def fault(self) -> int:
@@ -65,7 +79,7 @@ class Description:
         raw = json.loads(path.read_text("utf-8"))
         ports = tuple(_port(entry) for entry in raw["variables"])
         slots = {port.name: slot for slot, port in enumerate(ports)}
-        table = raw["table"]
+        table, program = raw["table"], raw["program"]
         return Description(
             name=raw["name"],
             hash=path.parent.name,
@@ -77,6 +91,7 @@ class Description:
             period_slot=slots.get("sample_period", -1),
             seed_slot=slots.get("seed", -1),
             table=table and TableFile(slots[table["parameter"]], tuple(table["columns"]), table["rows"]),
+            program=program and _program(program, raw["derived"]),
         )
 
 
@@ -84,3 +99,8 @@ def _port(entry: list[Any]) -> Port:
     name, type_, causality, start, low, high, unit = entry
     low, high = -LARGEST if low is None else low, LARGEST if high is None else high
     return Port(name, type_, causality, start, low, high, unit)
+
+
+def _program(entry: dict[str, Any], derived: int) -> Program:
+    packages = tuple((name, least) for name, least in entry["packages"])
+    return Program(tuple(entry["modules"]), tuple(entry["libraries"]), packages, derived)

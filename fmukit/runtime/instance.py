@@ -16,7 +16,7 @@ from typing import Any, ClassVar
 from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
-from . import library, table
+from . import library, script, table
 from .description import Description
 from .leaving import release_interpreter_once
 from .ports import Plan, RefusalError
@@ -24,7 +24,7 @@ from .stepping import TOO_LONG, Continuous, Sampled
 
 INSTANTIATED, INITIALISING, STEPPING, TERMINATED = range(4)
 _TOLERANCE = 1e-6
-PLAIN = (RefusalError, table.TableError, library.LibraryError)
+PLAIN = (RefusalError, table.TableError, library.LibraryError, script.ScriptError)
 
 
 class Instance(Fmi2Slave):
@@ -48,6 +48,7 @@ class Instance(Fmi2Slave):
         self._fault, self._slack = self.description_.fault, _TOLERANCE * self.description_.step
         self._misfit: Callable[..., int] = _nothing_amiss
         self._resources = Path(str(kwargs.get("resources")))
+        self._script: script.Script | None = None
         self._get_vrs: list[int] | None = None
         self._set_vrs: list[int] | None = None
         self._fill_start_values()
@@ -70,13 +71,20 @@ class Instance(Fmi2Slave):
             self._library = library.load(path, self.description_.size)
             self._misfit = self._library.fmukit_misfit
             weakref.finalize(self, library.release, path).atexit = False
-            self._motion = (
-                Continuous(self._library, self._address, self.description_.max_substep)
-                if self.description_.continuous
-                else Sampled(self._library, self._address, 8 * self.description_.size)
-            )
+            if self.description_.program:
+                self._script = script.Script(self.description_, self._buffer, self._strings, path.parent)
+                weakref.finalize(self, script.release, path.parent).atexit = False
+            self._motion = self._moved()
         except BaseException as error:
             self._break(error)
+
+    def _moved(self) -> Continuous | Sampled:
+        """What takes the instance through time."""
+        about = self.description_
+        if about.continuous:
+            return Continuous(self._library, self._address, about.max_substep)
+        sample = self._script.sample if self._script else self._library.fmukit_sample
+        return Sampled(sample, self._address, 8 * about.size)
 
     def _enter(self, mode: int) -> None:
         self._mode, self._get_vrs, self._set_vrs = mode, None, None
@@ -87,21 +95,28 @@ class Instance(Fmi2Slave):
             return
         about, buffer = self.description_, self._buffer
         seed = int(buffer[about.seed_slot]) if about.seed_slot >= 0 else 0
-        flat, rows = array("d"), 0
-        if about.table:
-            flat, rows = table.read(self._strings[about.table.slot], about.table, self._resources)
-        code = self._library.fmukit_initialise(self._address, seed, flat.buffer_info()[0], float(rows))
+        code = self._computed(seed)
         if code:
-            raise RefusalError(f"initialisation failed: {self._reason(code)}; check the parameters")
+            advice = "" if code == script.SAID else "; check the parameters"
+            raise RefusalError(f"initialisation failed: {self._reason(code)}{advice}")
         self._motion.start(buffer[about.period_slot], seed)
         self._dirty = False
+
+    def _computed(self, seed: int) -> int:
+        about, flat, rows = self.description_, array("d"), 0
+        if about.table:
+            flat, rows = table.read(self._strings[about.table.slot], about.table, self._resources)
+        if self._script:
+            return self._script.initialise(flat, rows)
+        code: int = self._library.fmukit_initialise(self._address, seed, flat.buffer_info()[0], float(rows))
+        return code
 
     def _reason(self, code: int) -> str:
         ports = self.description_.ports
         if code == TOO_LONG:
             return "it needs more than ten million substeps or samples"
         if code < 0:
-            return "the kernel reported an error"
+            return self._script.said if self._script else "the kernel reported an error"
         return f"{ports[code - 1].name if code <= len(ports) else 'an internal state'} is not a finite number"
 
     def _refuse(self, error: BaseException) -> None:

@@ -128,7 +128,7 @@ class Slave(Values):
     def _restore(self, snapshot: state.Snapshot) -> None:
         about, buffer = self.description_, self._buffer
         buffer[:] = array("d", snapshot.buffer)
-        self._strings = dict(snapshot.strings)
+        self._strings.update(snapshot.strings)
         self._enter(snapshot.mode)
         self._dirty, self._pending, self._broken = snapshot.dirty, snapshot.pending, snapshot.broken
         self._anchored, self._origin, self._time = snapshot.anchored, snapshot.origin, snapshot.time

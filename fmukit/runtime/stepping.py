@@ -6,6 +6,7 @@ Both `step` functions return the kernel's code: 0, or what went wrong (see `fmuk
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Callable
 from math import ceil
 
 TOO_LONG = -2
@@ -42,8 +43,8 @@ class Sampled:
     are skipped. A step whose samples cannot all be computed computes none.
     """
 
-    def __init__(self, library: ctypes.PyDLL, address: int, size: int) -> None:
-        self._sample = library.fmukit_sample
+    def __init__(self, sample: Callable[[int, int, int, float], int], address: int, size: int) -> None:
+        self._sample = sample
         self._address, self._size = address, size
         self._period = 0.0
         self._seed = 0
@@ -60,7 +61,7 @@ class Sampled:
             return TOO_LONG
         before = ctypes.string_at(self._address, self._size) if end - index > 1 else b""
         for k in range(index, end):
-            code: int = self._sample(self._address, self._seed, k + 1, k * period)
+            code = self._sample(self._address, self._seed, k + 1, k * period)
             if code:
                 ctypes.memmove(self._address, before, len(before))
                 return code

@@ -1,0 +1,3 @@
+"""How many rows the table has room for."""
+
+ROWS = 5
