@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import TypeVar
 
 import casadi as ca
 
@@ -27,6 +28,8 @@ __all__ = [
     "stack",
     "symbols",
 ]
+
+Column = TypeVar("Column", ca.SX, ca.MX)
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +70,7 @@ def symbols(interface: Interface, causality: Causality) -> Signals:
     return Signals(names, ca.SX.sym(causality[0] if causality != "input" else "u", len(names)))
 
 
-def stack(names: Iterable[str], values: Mapping[str, ca.SX]) -> ca.SX:
+def stack(names: Iterable[str], values: Mapping[str, Column]) -> Column:
     """The column of `values` in the order of `names`; unknown or missing names raise ValueError."""
     names = tuple(names)
     unknown, missing = values.keys() - set(names), set(names) - values.keys()
@@ -87,7 +90,7 @@ class Layout:
         """A fresh symbol of the whole column."""
         return ca.SX.sym(name, self.size)
 
-    def split(self, column: ca.SX) -> dict[str, ca.SX]:
+    def split(self, column: Column) -> dict[str, Column]:
         """The slices of the column by name."""
         parts, start = {}, 0
         for name, size in self.sizes.items():
@@ -95,7 +98,7 @@ class Layout:
             start += size
         return parts
 
-    def join(self, parts: Mapping[str, ca.SX]) -> ca.SX:
+    def join(self, parts: Mapping[str, Column]) -> Column:
         """The column of all slices; unknown or missing names and wrong sizes raise ValueError."""
         for name, size in self.sizes.items():
             if name in parts and parts[name].numel() != size:

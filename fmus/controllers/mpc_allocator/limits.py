@@ -1,0 +1,47 @@
+"""What the inputs may be now: from motors, friction, power and rates of the wheels to the two sides of the car."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from fmukit.kernel import Column, Signals, symbols
+from fmus.controllers.mpc_allocator import distribution
+from fmus.controllers.mpc_allocator.design_car import SLOWEST, design_car
+from fmus.controllers.mpc_allocator.horizon import PERIOD
+from fmus.controllers.mpc_allocator.interface import INTERFACE
+from fmus.controllers.mpc_allocator.linearise import N_X
+
+
+def function() -> ca.Function:
+    """(p, x (7), accelerations (2), motors (4), forces before (4), command before, Ts)
+    -> low, high of u at once (3 x 2) and later (3 x 2), step of u per node (3), low, high of the wheels now (4 x 2).
+    """
+    p, x, a = symbols(INTERFACE, "parameter"), ca.SX.sym("x", N_X), ca.SX.sym("a", 2)
+    available, U, command, Ts = ca.SX.sym("available", 4), ca.SX.sym("U", 4), ca.SX.sym("command"), ca.SX.sym("Ts")
+    motors, car = _motors(p), design_car(p)
+    slow = ca.vertcat(x[:2], ca.fmax(x[2], SLOWEST), x[3:])
+    _, F_z, F_t = distribution.without_drive(car, slow, a)
+    whole = distribution.bounds(motors, F_z, F_t, x[2], available=available)
+    now = distribution.bounds(motors, F_z, F_t, x[2], available=available, previous=U, period=Ts)
+    end, turn = p["actuator.steer_limit"], p["actuator.steer_rate"]
+    reach = [_clip(command + sign * turn * Ts, -end, end) for sign in (-1, 1)]
+    first = ca.horzcat(*(ca.vertcat(angle, sides(force)) for angle, force in zip(reach, now, strict=True)))
+    later = ca.horzcat(*(ca.vertcat(sign * end, sides(force)) for sign, force in zip((-1, 1), whole, strict=True)))
+    step = PERIOD * ca.vertcat(turn, sides(motors.rate * available))
+    arguments = [p.column, x, a, available, U, command, Ts]
+    return ca.Function("limits", arguments, ca.cse([first, later, step, ca.horzcat(*now)]))
+
+
+def sides(wheels: Column) -> Column:
+    """Sum over the left and over the right wheels (2)."""
+    return ca.vertcat(wheels[0] + wheels[2], wheels[1] + wheels[3])
+
+
+def _motors(p: Signals) -> distribution.Limits:
+    return distribution.Limits(
+        force=p["limit.force"], power=p["limit.power"], rate=p["limit.force_rate"], friction=p["limit.friction"]
+    )
+
+
+def _clip(value: ca.SX, low: ca.SX, high: ca.SX) -> ca.SX:
+    return ca.fmin(ca.fmax(value, low), high)

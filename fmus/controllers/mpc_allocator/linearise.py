@@ -1,0 +1,124 @@
+"""The prediction: errors about the reference over one node, in the frame of the path.
+
+e = (e_s, e_n, e_v, e_beta, e_psi, e_omega, e_delta), w = u - u_r, both about the nodes of the reference:
+
+    e_{k+1} = Phi_k e_k + Gamma_k w_k + c_k,   c_k = Phi(x_r,k, u_r,k) - x_r,k+1 + (integral of exp(A t)) d
+
+A, B are the Jacobians of the car halfway between two nodes, turned with the path; c holds what the reference lacks to
+be a motion of the car, and the estimated disturbance d (rates of e, none of the steering).
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from fmukit.kernel import symbols
+from fmus.controllers.mpc_allocator import inversion
+from fmus.controllers.mpc_allocator.design_car import INPUTS, SLOWEST, advance, design_car, rate
+from fmus.controllers.mpc_allocator.discretise import zero_order_hold
+from fmus.controllers.mpc_allocator.horizon import NODE, PERIOD
+from fmus.controllers.mpc_allocator.interface import INTERFACE
+from fmus.double_track.data import DoubleTrackCar
+from fmus.single_track.forces import STATES
+
+N_X, N_U = len(STATES), len(INPUTS)
+_LARGEST_TARGET = ca.DM([10.0, 0.2, 0.2, 0.2, 1.0])  # e_v, e_beta, e_psi, e_delta, e_omega
+_LARGEST_FORCE = 1e4
+
+
+def function() -> ca.Function:
+    """(p, node, next node, d (6)) -> Phi (7 x 7), Gamma (7 x 3), c (7), u_r (3), steady errors (7), steady w (3)."""
+    p = symbols(INTERFACE, "parameter")
+    node, after, d = ca.SX.sym("node", len(NODE)), ca.SX.sym("after", len(NODE)), ca.SX.sym("d", N_X - 1)
+    car, lag = design_car(p), p["actuator.steer_lag"]
+    u_r = reference_input(car, lag, node, after)
+    A, B = jacobians(car, lag, node, after, u_r)
+    Phi, held = zero_order_hold(A, PERIOD)
+    c = defect(car, lag, node, after, u_r) + held @ ca.vertcat(d, 0)
+    e, w = target(A, B, d, node)
+    found = [Phi, held @ B, ca.densify(c), u_r, e, w]
+    return ca.Function("linearise", [p.column, node, after, d], ca.cse(found))
+
+
+def state(node: ca.SX) -> ca.SX:
+    """The state (7) of the car on the node, seen from the node: at the origin, course 0."""
+    v, beta, omega_z, delta = node[3], node[6], node[7], node[8]
+    return ca.vertcat(0, 0, v, beta, -beta, omega_z, delta)
+
+
+def loading(node: ca.SX) -> ca.SX:
+    """Accelerations (a_x, a_y) [m/s2] behind the wheel loads on the node."""
+    return ca.vertcat(node[4], node[3] ** 2 * node[5])
+
+
+def reference_input(car: DoubleTrackCar, lag: ca.SX, node: ca.SX, after: ca.SX) -> ca.SX:
+    """u_r (3): the command that takes the lagging steering angle from node to node, and equal forces of both sides."""
+    delta_c = node[8] + (after[8] - node[8]) / (1 - ca.exp(-PERIOD / lag))
+    F_x = sum(inversion.drive(car, lag, state(n), n[3:6]) for n in (node, after)) / 2
+    return ca.vertcat(delta_c, F_x / 2, F_x / 2)
+
+
+def jacobians(car: DoubleTrackCar, lag: ca.SX, node: ca.SX, after: ca.SX, u_r: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """A (7 x 7), B (7 x 3) halfway between the nodes; the frame turns with the course."""
+    x, u = ca.SX.sym("x", N_X), ca.SX.sym("u", N_U)
+    middle = 0.5 * (node + after)
+    f = rate(car, lag, x, u, loading(middle))
+    at = ca.substitute([ca.jacobian(f, x), ca.jacobian(f, u)], [x, u], [state(middle), u_r])
+    A, B = at
+    turning = (after[2] - node[2]) / PERIOD
+    A[0, 1] += turning
+    A[1, 0] -= turning
+    return A, B
+
+
+def defect(car: DoubleTrackCar, lag: ca.SX, node: ca.SX, after: ca.SX, u_r: ca.SX) -> ca.SX:
+    """What the car started on the node is beside the next node after one period (7), by the Runge-Kutta method."""
+    middle = 0.5 * (node + after)
+    loads = {0: loading(node), 0.5: loading(middle), 1: loading(after)}
+    found = advance(lambda x, part: rate(car, lag, x, u_r, loads[part]), state(node), u_r[0], lag, PERIOD)
+    place = turned(after[:2] - node[:2], node[2])
+    turn = after[2] - node[2]
+    wanted = state(after)
+    rest = found[2:] - wanted[2:]
+    rest[2] -= turn
+    return ca.vertcat(turned(found[:2] - place, turn), rest[:4], 0)
+
+
+def turned(vector: ca.SX, angle: ca.SX) -> ca.SX:
+    """A vector (2) in axes turned by `angle` [rad]."""
+    c, s = ca.cos(angle), ca.sin(angle)
+    return ca.vertcat(c * vector[0] + s * vector[1], c * vector[1] - s * vector[0])
+
+
+def target(A: ca.SX, B: ca.SX, d: ca.SX, node: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Errors (7) and inputs (3) at rest under the disturbance d (6), with e_s = e_n = 0 and equal sides.
+
+    e_v = -d_s and e_omega = -d_psi; sideslip, steering angle and force solve the rows of v', beta', omega_z';
+    e_psi = -d_n/v - e_beta.
+    """
+    e_v, e_omega = -d[0], -d[4]
+    rows, columns = [2, 3, 5], [3, 6]
+    M = ca.horzcat(ca.densify(A[rows, columns]), ca.densify(B[rows, 1] + B[rows, 2]))
+    given = A[rows, 2] * e_v + A[rows, 5] * e_omega + d[rows]
+    e_beta, e_delta, force = ca.vertsplit(-_solve3(M, ca.densify(given)))
+    v = ca.fmax(node[3], SLOWEST)
+    e_v, e_beta, e_psi, e_delta, e_omega = ca.vertsplit(
+        _clip(ca.vertcat(e_v, e_beta, -d[1] / v - e_beta, e_delta, e_omega), _LARGEST_TARGET)
+    )
+    force = _clip(force, _LARGEST_FORCE)
+    return ca.vertcat(0, 0, e_v, e_beta, e_psi, e_omega, e_delta), ca.vertcat(e_delta, force, force)
+
+
+def _solve3(M: ca.SX, b: ca.SX) -> ca.SX:
+    """M^-1 b by Cramer's rule."""
+    det = ca.det(M)
+    solved = []
+    for k in range(3):
+        replaced = ca.SX(M)
+        replaced[:, k] = b
+        solved.append(ca.det(replaced) / det)
+    return ca.vertcat(*solved)
+
+
+def _clip(value: ca.SX, limit: ca.DM | float) -> ca.SX:
+    return ca.fmin(ca.fmax(value, -limit), limit)

@@ -1,0 +1,80 @@
+"""What is known of the car at a sample: its state, its errors on the reference, and the disturbance.
+
+The disturbance d holds rates that the model does not explain. From sample to sample, with the measured x and the car's
+motion from the sample before under the forces then applied, x_{k|k-1},
+
+    d <- d + gain ((x_k - x_{k|k-1})/T_s - d),
+
+positions in the frame of the path. What is predicted uses the forces the wheels were given, not those wished for:
+limits do not wind d up.
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from fmukit.kernel import Signals, symbols
+from fmus.controllers.mpc_allocator.design_car import SLOWEST, advance, design_car, steered, wheel_rate
+from fmus.controllers.mpc_allocator.horizon import NODE
+from fmus.controllers.mpc_allocator.interface import INTERFACE
+from fmus.controllers.mpc_allocator.linearise import N_X, turned
+from fmus.double_track.data import DoubleTrackCar
+
+LARGEST_ERROR = ca.DM([5.0, 2.0, 10.0, 0.5, 0.8, 2.0, 0.6])
+"""Errors beyond these (m, m, m/s, rad, rad, rad/s, rad) are taken as these: what is absurd stays solvable."""
+LARGEST_DISTURBANCE = ca.DM([2.0, 2.0, 5.0, 1.0, 1.0, 10.0])
+_STANDSTILL = 1.0  # m/s, below it the direction of motion means nothing
+
+
+def function() -> ca.Function:
+    """(p, u, node, x before (7), forces (4), accelerations (2) and command then, d, learning, Ts)
+    -> x (7), e (7), e within its limits (7), d, accelerations.
+
+    `learning` is 0 to keep d; e_delta is the error of the angle the steering has by its lag.
+    """
+    p, u = symbols(INTERFACE, "parameter"), symbols(INTERFACE, "input")
+    node, before, U = ca.SX.sym("node", len(NODE)), ca.SX.sym("before", N_X), ca.SX.sym("U", 4)
+    a, command, d = ca.SX.sym("a", 2), ca.SX.sym("command"), ca.SX.sym("d", N_X - 1)
+    learning, Ts = ca.SX.sym("learning"), ca.SX.sym("Ts")
+    car, lag = design_car(p), p["actuator.steer_lag"]
+    x = measured(u, steered(before[6], command, lag, Ts))
+    guess = predicted(car, lag, before, U, a, command, Ts)
+    moving = ca.fmin(ca.fmax((x[2] - _STANDSTILL) / (SLOWEST - _STANDSTILL), 0), 1)
+    missed = path_frame(x - guess, node)[:6] / Ts
+    learnt = d + moving * p["integral.gain"] * (missed - d)
+    d_now = ca.if_else(learning, _clip(learnt, LARGEST_DISTURBANCE), d)
+    d_now = ca.if_else(p["integral.gain"] > 0, d_now, 0)
+    e = errors(x, node)
+    _, acceleration = wheel_rate(car, x, U, a)
+    arguments = [p.column, u.column, node, before, U, a, command, d, learning, Ts]
+    return ca.Function("observe", arguments, ca.cse([x, e, _clip(e, LARGEST_ERROR), moving * d_now, acceleration]))
+
+
+def measured(u: Signals, delta: ca.SX) -> ca.SX:
+    """x (7) of the estimate, with the steering angle delta [rad]."""
+    v = u.vector("estimate.velocity", "xy")
+    beta = ca.atan2(v[1], ca.fmax(v[0], _STANDSTILL))
+    speed = ca.if_else(v[0] >= 0, ca.sqrt(ca.sumsqr(v)), v[0])
+    position = u.vector("estimate.position", "xy")
+    return ca.vertcat(position, speed, beta, u["estimate.yaw"], u["estimate.yaw_rate"], delta)
+
+
+def predicted(car: DoubleTrackCar, lag: ca.SX, x: ca.SX, U: ca.SX, a: ca.SX, command: ca.SX, Ts: ca.SX) -> ca.SX:
+    """x after one sampling period under the forces U of the wheels [N] and the steering command [rad]."""
+    return advance(lambda state, _: wheel_rate(car, state, U, a)[0], x, command, lag, Ts)
+
+
+def errors(x: ca.SX, node: ca.SX) -> ca.SX:
+    """e (7) = (e_s, e_n, e_v, e_beta, e_psi, e_omega, e_delta) of x against the node."""
+    wanted = ca.vertcat(node[:2], node[3], node[6], node[2] - node[6], node[7], node[8])
+    return path_frame(x - wanted, node)
+
+
+def path_frame(difference: ca.SX, node: ca.SX) -> ca.SX:
+    """A difference of states with its position along and across the path and its yaw angle in (-pi, pi]."""
+    yaw = ca.atan2(ca.sin(difference[4]), ca.cos(difference[4]))
+    return ca.vertcat(turned(difference[:2], node[2]), difference[2:4], yaw, difference[5:])
+
+
+def _clip(value: ca.SX, limit: ca.DM) -> ca.SX:
+    return ca.fmin(ca.fmax(value, -limit), limit)
