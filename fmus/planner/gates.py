@@ -1,4 +1,7 @@
-"""A road as the planner sees it: gates across it, each a line with the part the centre of gravity may cross."""
+"""A road as the planner sees it: gates across it, each a line with the part the centre of gravity may cross.
+
+Its import is relative because it travels inside an FMU.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fmus.planner.errors import PlanningError
+from .errors import PlanningError
 
 Array = NDArray[np.float64]
 
@@ -45,16 +48,22 @@ def checked(gates: Gates) -> Gates:
     if narrow[k] < 0:
         x, y = gates.point(0.5 * (gates.low + gates.high))[k]
         raise PlanningError(
-            f"the corridor is narrower than the car by {-narrow[k]:.2f} m near x = {x:.1f} m, y = {y:.1f} m; "
-            "widen it or reduce the clearance"
+            f"the corridor is narrower than the car by {-narrow[k]:.2f} m near x = {x:.1f} m, y = {y:.1f} m, "
+            f"{_along(gates, k):.0f} m along the road; widen it or reduce the clearance"
         )
     steps, turn = gates.steps, np.sin(gates.steps[:, 2])
     for edge in (gates.low, gates.high):
         ahead = steps[:, 0] - turn * edge[1:]
         if (ahead <= 0).any():
-            x, y = gates.frames[int(np.argmin(ahead)), :2]
+            k = int(np.argmin(ahead))
+            x, y = gates.frames[k, :2]
             raise PlanningError(
-                f"the road turns too sharply for its width near x = {x:.1f} m, y = {y:.1f} m; "
-                "narrow it there, smooth the centre line or take fewer intervals"
+                f"the road turns too sharply for its width near x = {x:.1f} m, y = {y:.1f} m, "
+                f"{_along(gates, k):.0f} m along it; narrow it there, smooth the centre line or take fewer intervals"
             )
     return gates
+
+
+def _along(gates: Gates, k: int) -> float:
+    """Distance [m] of gate k from the first, from gate to gate."""
+    return float(np.sum(np.hypot(*np.diff(gates.frames[: k + 1, :2], axis=0).T)))

@@ -8,6 +8,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from fmus.planner.frames import into_frames, out_of_frames
 from fmus.planner.gates import Array, Gates
 from fmus.planner.vehicle import Vehicle
 
@@ -122,22 +123,3 @@ def scaled(vehicle: Vehicle, x: Array, u: Array, T: Array) -> Array:
     """A column in the order of the decision variables from states (7, m+1), one input for all intervals, and T."""
     inputs = np.tile(u / vehicle.input_scale, x.shape[1] - 1)
     return np.concatenate([(x / vehicle.scale[:, None]).ravel("F"), inputs, T])
-
-
-def into_frames(x: Array, frames: Array) -> Array:
-    """States (7, n) of the world in the frames (n, 3)."""
-    result, away, heading = x.copy(), x[:2] - frames[:, :2].T, frames[:, 2]
-    c, s = np.cos(heading), np.sin(heading)
-    result[0], result[1] = c * away[0] + s * away[1], c * away[1] - s * away[0]
-    result[4] -= heading
-    return result
-
-
-def out_of_frames(x: Array, frames: Array) -> Array:
-    """States (7, n) of the frames (n, 3) in the world."""
-    result, heading = x.copy(), frames[:, 2]
-    c, s = np.cos(heading), np.sin(heading)
-    result[0] = frames[:, 0] + c * x[0] - s * x[1]
-    result[1] = frames[:, 1] + s * x[0] + c * x[1]
-    result[4] += heading
-    return result

@@ -12,25 +12,30 @@ _CALL = {"never_inline": True}
 
 
 def interval(f: ca.Function, substeps: int) -> ca.Function:
-    """(x, u, T) -> x after T seconds by the classical Runge-Kutta method.
+    """(x, u, T) -> x after T seconds by the classical Runge-Kutta method; (x, u, T, c) if f has a third argument c.
 
-    One substep is a function of its own, so that its derivatives are generated once, however many there are.
+    One substep is a function of its own, so that its derivatives are generated once, however many there are. There
+    are none with respect to the constants c.
     """
     x, u, T = ca.MX.sym("x", f.size1_in(0)), ca.MX.sym("u", f.size1_in(1)), ca.MX.sym("T")
+    constants = [ca.MX.sym("c", f.size1_in(2))] if f.n_in() > 2 else []
     step, state = _substep(f), x
     for _ in range(substeps):
-        state = step(state, u, T / substeps)
-    return ca.Function("interval", [x, u, T], [state], ["x", "u", "T"], ["end"])
+        state = step(state, u, T / substeps, *constants)
+    names = ["x", "u", "T", "c"][: 3 + len(constants)]
+    return ca.Function("interval", [x, u, T, *constants], [state], names, ["end"])
 
 
 def _substep(f: ca.Function) -> ca.Function:
     x, u, h = ca.SX.sym("x", f.size1_in(0)), ca.SX.sym("u", f.size1_in(1)), ca.SX.sym("h")
-    k1 = f(x, u)
-    k2 = f(x + h / 2 * k1, u)
-    k3 = f(x + h / 2 * k2, u)
-    k4 = f(x + h * k3, u)
+    constants = [ca.SX.sym("c", f.size1_in(2))] if f.n_in() > 2 else []
+    k1 = f(x, u, *constants)
+    k2 = f(x + h / 2 * k1, u, *constants)
+    k3 = f(x + h / 2 * k2, u, *constants)
+    k4 = f(x + h * k3, u, *constants)
     end = ca.cse(x + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4))
-    return ca.Function("substep", [x, u, h], [end], _CALL)
+    differentiable = {"is_diff_in": [True] * 3 + [False] * len(constants)}
+    return ca.Function("substep", [x, u, h, *constants], [end], _CALL | differentiable)
 
 
 @dataclass(frozen=True, slots=True)
