@@ -73,7 +73,8 @@ class NumberSetting:
 class Scenario:
     """`figures` names what of the thesis it reproduces; `find` gives the .fmu file of a catalogue name.
 
-    `complete` derives what follows from the user's values once they are set, `draw` makes a picture of the results.
+    `complete(system, settings)` derives what follows from the user's values once they are set, `draw` makes a picture
+    of the results.
     """
 
     name: str
@@ -82,7 +83,7 @@ class Scenario:
     stop_time: float
     build: Callable[[Settings], System]
     find: Callable[[str], Path]
-    complete: Callable[[System], None] = lambda _system: None
+    complete: Callable[[System, Settings], None] = lambda _system, _settings: None
     metrics: Callable[[Results], dict[str, float]] = lambda _results: {}
     draw: Callable[[Results, Path, str], None] | None = None
     settings: Mapping[str, Setting | NumberSetting] = field(default_factory=dict)
@@ -98,7 +99,7 @@ def configured(scenario: Scenario, assignments: Sequence[tuple[str, str]]) -> Sy
     for name, value in assignments:
         if not name.startswith(PREFIX):
             system.set(name, value)
-    scenario.complete(system)
+    scenario.complete(system, settings)
     return system
 
 

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import csv
-import math
 from collections.abc import Mapping
 from pathlib import Path
 
-from cosim.errors import CosimError, because
 from cosim.face import Value
 from cosim.scenario import Scenario, Setting, Settings
 from cosim.scenarios._catalogue import fmu_path
+from cosim.scenarios._start import start_on_reference
 from cosim.scenarios._tracking_metrics import tracking_metrics
 from cosim.system import System
 
@@ -65,7 +63,7 @@ def tracking_system(settings: Settings, reference: Mapping[str, Value]) -> Syste
     return system
 
 
-def complete(system: System) -> None:
+def complete(system: System, _settings: Settings) -> None:
     """What follows from the user's values: the start on the reference, and what hlc assumes of llc."""
     start_on_reference(system)
     tell_the_actuator(system)
@@ -79,17 +77,6 @@ def tell_the_actuator(system: System) -> None:
     for name in ACTUATOR:
         if name in given:
             assumed.setdefault(f"actuator.{name}", given[name])
-
-
-def start_on_reference(system: System) -> None:
-    """Start the car, and the filter's belief, on the reference unless told otherwise."""
-    reference = system.instances["reference"].parameters
-    file = str(reference.get("trajectory_file", ""))
-    x, y, yaw, speed = _first_row(Path(file)) if file else _built_in(reference)
-    start = {"initial.position.x": x, "initial.position.y": y, "initial.yaw": yaw, "initial.speed": speed}
-    for name in ("plant", "filter"):
-        for variable, value in start.items():
-            system.instances[name].parameters.setdefault(variable, value)
 
 
 def _wire_sensors(system: System) -> None:
@@ -114,30 +101,6 @@ def _wire_feedback(system: System, feedback: str) -> None:
     else:
         system.connect("plant", "hlc", {"estimate.": ""})
         system.connect("plant", "llc", {"estimate.": "", **_TRUE_RATES})
-
-
-def _built_in(reference: Mapping[str, Value]) -> tuple[float, float, float, float]:
-    names = ("initial.x", "initial.y", "initial.course", "initial_speed")
-    try:
-        x, y, course, speed = (float(reference.get(name, 0.0)) for name in names)
-    except ValueError:
-        raise CosimError(f"one of the parameters {', '.join(names)} of reference is not a number") from None
-    return x, y, math.remainder(course, math.tau), speed
-
-
-def _first_row(file: Path) -> tuple[float, float, float, float]:
-    try:
-        with file.open(newline="", encoding="utf-8-sig") as source:
-            row = next(csv.DictReader(source, skipinitialspace=True))
-        return float(row["x"]), float(row["y"]), math.remainder(float(row["course"]), math.tau), float(row["speed"])
-    except OSError as error:
-        raise CosimError(f"cannot read the trajectory {file}: {because(error)}") from None
-    except StopIteration:
-        raise CosimError(f"the trajectory {file} has no row beneath its header") from None
-    except KeyError as missing:
-        raise CosimError(f"the trajectory {file} has no column {missing.args[0]}") from None
-    except (ValueError, TypeError, csv.Error) as error:
-        raise CosimError(f"the first row of the trajectory {file} is not made of numbers: {error}") from None
 
 
 def _draw(results, file: Path, title: str) -> None:  # type: ignore[no-untyped-def]

@@ -20,7 +20,7 @@ from cosim.results import load_results
 from cosim.run import Plan, Request, execute, run
 from cosim.scenario import Scenario
 from cosim.scenarios import _catalogue
-from cosim.scenarios._tracking import _first_row
+from cosim.scenarios._start import _first_row
 from cosim.schedule import schedule
 from cosim.system import System
 from fmukit.archive import ArchiveError, unpack
