@@ -58,12 +58,13 @@ class Variable:
 class Table:
     """A numeric CSV file read at initialisation, named by the String parameter `parameter` (empty: no file).
 
-    The first column must increase strictly; `rows` is the capacity.
+    `rows` is the capacity; with `increasing` the first column must increase strictly.
     """
 
     parameter: str
     columns: tuple[str, ...]
     rows: int
+    increasing: bool = True
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import tempfile
 from collections.abc import Mapping, Sequence
@@ -104,7 +105,7 @@ def _description(interface: Interface, code: Code, program: dict[str, object] | 
         "max_substep": interface.max_substep if interface.kind == "continuous" else None,
         "derived": code.derived,
         "states": code.states,
-        "table": table and {"parameter": table.parameter, "columns": table.columns, "rows": table.rows},
+        "table": table and dataclasses.asdict(table),
         "program": program,
         "variables": [_entry(variable) for variable in interface.variables],
     }

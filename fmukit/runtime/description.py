@@ -34,6 +34,7 @@ class TableFile:
     slot: int
     columns: tuple[str, ...]
     rows: int
+    increasing: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +91,8 @@ class Description:
             size=len(ports) + raw["derived"] + raw["states"],
             period_slot=slots.get("sample_period", -1),
             seed_slot=slots.get("seed", -1),
-            table=table and TableFile(slots[table["parameter"]], tuple(table["columns"]), table["rows"]),
+            table=table
+            and TableFile(slots[table["parameter"]], tuple(table["columns"]), table["rows"], table["increasing"]),
             program=program and _program(program, raw["derived"]),
         )
 
