@@ -121,6 +121,10 @@ class Slave(Values):
             if not isinstance(snapshot, state.Snapshot) or len(snapshot.buffer) != 8 * self.description_.size:
                 reason = snapshot.reason if isinstance(snapshot, state.Refused) else "it is not a state of this FMU"
                 raise RefusalError(f"the FMU state is refused: {reason}; the present state is kept")
+            if not hasattr(self, "_motion"):
+                raise RefusalError(
+                    "an FMU state is of no use to an instance that could not be made; see its first message"
+                )
             self._restore(snapshot)
         except BaseException as error:
             self._refuse(error)
