@@ -12,6 +12,19 @@ from fmukit.build.xml import About
 
 _PROJECT = "vehicle-formation-fmus"
 _EPOCH = 1767225600
+_OSQP = """The kernel libraries of this FMU contain C code of OSQP {version} and of its part QDLDL, unchanged, and a workspace
+that OSQP's code generation made.
+
+OSQP
+Copyright (c) 2019 Bartolomeo Stellato, Goran Banjac, Paul Goulart, Stephen Boyd
+This product includes software developed at Stanford University and at the University of Oxford.
+
+QDLDL
+Copyright (c) 2018, Paul Goulart, Bartolomeo Stellato, Goran Banjac, Ian McInerney, The OSQP developers
+
+Both are under the following licence.
+
+{text}"""
 
 
 def about() -> About:
@@ -22,9 +35,12 @@ def about() -> About:
     return About(authors, __version__, "MIT", f"Copyright (c) 2026 {authors}", date)
 
 
-def licences() -> dict[str, bytes]:
-    """Licence texts of this project and of PythonFMU as members of the FMU."""
+def licences(solvers: bool = False) -> dict[str, bytes]:
+    """Licence texts of this project and of PythonFMU, of OSQP with `solvers`, as members of the FMU."""
     texts = {_PROJECT: _project_licence(), "pythonfmu": distribution("pythonfmu").read_text("licenses/LICENSE")}
+    if solvers:
+        osqp = distribution("osqp")
+        texts["osqp"] = _OSQP.format(version=osqp.version, text=osqp.read_text("licenses/LICENSE"))
     folder = "documentation/licenses"
     return {f"{folder}/{name}.txt": text.encode() for name, text in texts.items() if text}
 

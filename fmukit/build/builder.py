@@ -48,7 +48,8 @@ def build(
     kernel = component.kernel()
     recording = recorded(component, kernel)
     files = crosscheck.bundle(interface.name, recording, packages(kernel)) if bundle and recording else {}
-    members = _model(interface, kernel, targets) | documents(component, recording, packages(kernel))
+    solvers = isinstance(kernel, Kernel) and bool(kernel.solvers)
+    members = _model(interface, kernel, targets) | documents(component, recording, packages(kernel), solvers=solvers)
     files[f"{interface.name}.fmu"] = archive.pack(members)
     for name, data in files.items():
         archive.write(Path(directory) / name, data)

@@ -13,18 +13,18 @@ from fmukit.component import Component
 
 
 def documents(
-    component: Component, recording: Recording | None, packages: Mapping[str, str] = NONE
+    component: Component, recording: Recording | None, packages: Mapping[str, str] = NONE, *, solvers: bool = False
 ) -> dict[str, bytes]:
     """Members of the archive by name; without a `recording` of its reference run the page has no plot.
 
-    `packages` are what the host's Python needs, with the least versions.
+    `packages` are what the host's Python needs, with the least versions; `solvers`: OSQP's code is inside.
     """
     interface, run = component.interface, recording.run if recording else None
     members = {
         "resources/requirements.txt": "".join(f"{name}>={least}\n" for name, least in packages.items()).encode(),
         "model.png": pictures.block(interface),
         "documentation/index.html": page(interface, _readme(component), run, __version__, packages).encode(),
-        **about.licences(),
+        **about.licences(solvers),
     }
     if recording is not None:
         members["documentation/reference_run.png"] = pictures.plot(interface, recording)

@@ -5,6 +5,10 @@
    is a function of the arguments alone, whatever was solved before. It does so in the workspace itself: OSQP's update
    functions would factor the matrix up to three times, and skip what they think unchanged. */
 
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC optimize("O3") /* long vectors: an eighth faster, the same bits; clang vectorises without */
+#endif
+
 #if !defined(_WIN32)
 #define _POSIX_C_SOURCE 199309L
 #endif

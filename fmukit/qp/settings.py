@@ -27,7 +27,7 @@ class QpSettings:
     infeasible: float = 1e-5
     iterations: int = 1000
     check: int = 10
-    adapt: int = 50
+    adapt: int = 10
 
     def __post_init__(self) -> None:
         for field in fields(self):
