@@ -17,7 +17,7 @@ Value = float | int | bool | str
 
 @dataclass(frozen=True, slots=True)
 class Port:
-    """One scalar variable of a model."""
+    """One scalar variable of a model; `start` of a String is None."""
 
     name: str
     reference: int
@@ -27,6 +27,7 @@ class Port:
     unit: str | None = None
     minimum: float | None = None
     maximum: float | None = None
+    start: float | None = None
 
 
 @dataclass(frozen=True)
@@ -112,7 +113,16 @@ def _port(variable: Any) -> Port:
         unit=unit,
         minimum=None if low is None else float(low),
         maximum=None if high is None else float(high),
+        start=_number(variable.start),
     )
+
+
+def _number(text: Any) -> float | None:
+    """A start value as a number; None for a text and for none at all."""
+    try:
+        return float({"true": "1", "false": "0"}.get(text, text))
+    except (TypeError, ValueError):
+        return None
 
 
 def _unit(unit: Any) -> Unit:

@@ -8,7 +8,7 @@ Sequential are the sampled slaves and parallel the continuous ones; with the sch
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from ctypes import c_double
 from dataclasses import dataclass
 from functools import partial
@@ -18,6 +18,7 @@ from typing import Literal
 
 import numpy as np
 
+from cosim import changes
 from cosim.assembly import Node
 from cosim.bound import Action, Bound, gather
 from cosim.clock import SECOND, to_seconds
@@ -30,7 +31,7 @@ _BLOCK = 64  # ticks between two looks at the interrupt flag and the progress di
 
 @dataclass(frozen=True, slots=True)
 class Signal:
-    """One element of the signal vector: an output of an instance."""
+    """One element of the signal vector: an output of an instance, or an input of it that events change."""
 
     instance: str
     variable: str
@@ -58,8 +59,11 @@ class Master:
 
     def __init__(self, nodes: Mapping[str, Node], schedule: Schedule, slaves: Mapping[str, Slave]) -> None:
         self.schedule = schedule
-        self.signals = [_signal(node, name) for node in nodes.values() for name in node.face.outputs]
+        outputs = [_signal(node, name) for node in nodes.values() for name in node.face.outputs]
+        changed = [_signal(node, name) for node in nodes.values() for name in changes.shown(node)]
+        self.signals = outputs + changed
         self.vector: Vector = np.zeros(1 + len(self.signals))
+        self.vector[1 + len(outputs) :] = [changes.start(nodes[signal.instance], signal.variable) for signal in changed]
         self._time = c_double.from_buffer(self.vector.data)
         self._index = {signal.name: i for i, signal in enumerate(self.signals, start=1)}
         self._nodes, self._slaves = nodes, slaves
@@ -89,7 +93,7 @@ class Master:
         """
         start = perf_counter_ns()
         status, reason, time = "ok", "", 0
-        ticks = self._with_changes(self._ticks(stop, record), record)
+        ticks = changes.merged(self._ticks(stop, record), record, self._changes())
         try:
             time = self._loop(ticks, progress, interrupted, stop)
             if time < stop:
@@ -140,26 +144,19 @@ class Master:
                 else:
                     yield time, actions
 
-    def _with_changes(
-        self, ticks: Iterator[tuple[int, list[Action]]], record: Action
-    ) -> Iterator[tuple[int, list[Action]]]:
-        """The ticks, with the events of sequential slaves before all else and those of parallel ones after the row."""
-        first, last = (self._changes(names) for names in (self.schedule.sequential, self.schedule.parallel))
-        for time, actions in ticks:
-            if time in first or time in last:
-                place = actions.index(record) + 1
-                yield time, [*first.get(time, []), *actions[:place], *last.get(time, []), *actions[place:]]
-            else:
-                yield time, actions
-
-    def _changes(self, names: Iterable[str]) -> dict[int, list[Action]]:
-        """What sets the changed inputs of the instances, by the tick [ns] at which they take them in."""
-        found: dict[int, list[Action]] = {}
-        for name in names:
-            for change in self._nodes[name].changes:
-                action = partial(self._slaves[name].set, {change.variable: change.value})
-                found.setdefault(change.due, []).append(action)
-        return found
+    def _changes(self) -> list[changes.Due]:
+        """Everything events do, in the order of their instances: sequential ones first."""
+        names = self.schedule.sequential + self.schedule.parallel
+        found = [(self._nodes[name], change) for name in names for change in self._nodes[name].changes]
+        return [
+            changes.Due(
+                time=change.due,
+                early=node.name in self.schedule.sequential,
+                set=partial(self._slaves[node.name].set, {change.variable: change.value}),
+                show=changes.writer(self.vector, self._index.get(f"{node.name}.{change.variable}"), change.value),
+            )
+            for node, change in found
+        ]
 
     def _cut(self, time: int, stop: int) -> None:
         for name in self.schedule.parallel:

@@ -38,16 +38,16 @@ def tracking_metrics(results: Results) -> dict[str, float]:
     """The metrics of a tracking run, its start included: an offset load starts leaning, as the passive car stands."""
     e, d = tracking_errors(results), estimate_errors(results)
     return {
-        "lateral_error_max": _peak(e.lateral),
-        "lateral_error_rms": _rms(e.lateral),
-        "longitudinal_error_max": _peak(e.longitudinal),
-        "speed_error_max": _peak(e.speed),
-        "course_error_max": _peak(e.course),
-        "roll_max": _peak(results["plant.roll"]),
-        "pitch_max": _peak(results["plant.pitch"]),
-        "sideslip_max": _peak(results["plant.sideslip"]),
-        "position_estimate_rms": _rms(np.hypot(d.x, d.y)),
-        "yaw_estimate_rms": _rms(d.yaw),
+        "lateral_error_max": peak(e.lateral),
+        "lateral_error_rms": rms(e.lateral),
+        "longitudinal_error_max": peak(e.longitudinal),
+        "speed_error_max": peak(e.speed),
+        "course_error_max": peak(e.course),
+        "roll_max": peak(results["plant.roll"]),
+        "pitch_max": peak(results["plant.pitch"]),
+        "sideslip_max": peak(results["plant.sideslip"]),
+        "position_estimate_rms": rms(np.hypot(d.x, d.y)),
+        "yaw_estimate_rms": rms(d.yaw),
         "nis_heading_mean": _mean(new_fixes(results, "filter.nis.heading")),
         "nis_position_mean": _mean(new_fixes(results, "filter.nis.position")),
         "saturation_longest": longest_saturation(results),
@@ -107,11 +107,13 @@ def _longest(time: Vector, active: np.ndarray) -> float:
     return float(np.max(time[ends] - time[starts], initial=0.0))
 
 
-def _peak(values: Vector) -> float:
+def peak(values: Vector) -> float:
+    """Largest magnitude; 0 without values."""
     return float(np.max(np.abs(values), initial=0.0))
 
 
-def _rms(values: Vector) -> float:
+def rms(values: Vector) -> float:
+    """Root of the mean square; NaN without values."""
     return float(np.sqrt(np.mean(values**2))) if len(values) else float("nan")
 
 

@@ -25,7 +25,7 @@ from cosim.schedule import schedule
 from cosim.ssp import COSIM, SSD, export
 from cosim.system import System, parse_events
 
-LIMITED = Port("valve", 0, "input", minimum=0.0, maximum=1.0, unit="m")
+LIMITED = Port("valve", 0, "input", minimum=0.0, maximum=1.0, unit="m", start=0.125)
 
 
 def pair(*events: tuple[float, str, object]) -> tuple[System, dict[str, Mock]]:
@@ -86,9 +86,17 @@ def test_events_hold_beyond_the_first_cycle_and_in_the_cut_last_step() -> None:
     assert log[-2:] == [("set", {"valve": 0.25}), ("step", 0.125)]
 
 
-def test_a_run_without_events_is_the_same_run() -> None:
+def test_changed_inputs_are_recorded_from_their_start_value_on() -> None:
+    system, mocks = pair((0.006, "plant.valve", 0.5), (0.02, "source.valve", 1.0))
+    system.set("source.valve", 0.25)
+    _, rows = simulate(system, mocks, 0.03)
+    assert [row["plant.valve"] for row in rows] == [0.125, 0.125, 0.5, 0.5, 0.5, 0.5, 0.5]
+    assert [row["source.valve"] for row in rows] == [0.25] * 4 + [1.0] * 3
+
+
+def test_events_after_the_end_change_nothing() -> None:
     rows = [simulate(*pair(*events), 0.05)[1] for events in ((), ((9.0, "plant.valve", 1.0),))]
-    assert rows[0] == rows[1]
+    assert [{**row, "plant.valve": 0.125} for row in rows[0]] == rows[1]
 
 
 def test_the_later_call_replaces_an_event_at_the_same_time() -> None:
@@ -166,6 +174,7 @@ def test_an_fmu_sees_its_inputs_change_when_they_should(tank, tmp_path) -> None:
         inflow = 1.5 if k < 50 else 2.0 if k < 75 else 0.0
         levels.append(levels[-1] + 0.01 * (inflow - levels[-1]))
     assert results["first.level"].tolist() == pytest.approx(levels, abs=1e-12)
+    assert results["first.inflow"].tolist() == [1.5] * 50 + [2.0] * 25 + [0.0] * 26
 
 
 def test_an_event_of_the_user_beyond_the_end_is_an_error_one_of_the_scenario_is_not(tank, tmp_path) -> None:
