@@ -2,7 +2,7 @@
 
 from fmukit.component import Component
 from fmus import double_track, estimator, vehicle16dof
-from fmus.controllers import high_level_lqr, low_level_pid, reference
+from fmus.controllers import high_level_lqr, low_level_pid, mpc_allocator, reference
 from fmus.sensors import gps, imu
 
 CATALOGUE: tuple[Component, ...] = (
@@ -14,4 +14,5 @@ CATALOGUE: tuple[Component, ...] = (
     high_level_lqr.COMPONENT,
     low_level_pid.COMPONENT,
     double_track.COMPONENT,
+    mpc_allocator.COMPONENT,
 )

@@ -1,7 +1,7 @@
 """For every FMU of the catalogue a short drive that makes it work: parameters, inputs over time, and what shows it.
 
-The inputs belong to a car going round a circle at 25 m/s, in closed form, a little disturbed; what is exact (counts,
-time stamps) is not disturbed. An FMU at rest,
+The inputs belong to a car going round a circle at 25 m/s, in closed form, a little disturbed; what is exact
+(counts, time stamps, motors) is not disturbed. An FMU at rest,
 with nothing to correct or command, would prove little by repeating itself.
 """
 
@@ -20,7 +20,7 @@ Values = dict[str, float]
 
 SPEED, RATE, GRAVITY = 25.0, 0.16, 9.81  # m/s, rad/s, m/s2
 _FIX_PERIOD, _LATENCY, _ANTENNA = 0.1, 0.05, -0.5  # s, s, m forward of O1
-_EXACT = ("gps.fix_count", "gps.time", "gps.valid")
+_EXACT = ("gps.fix_count", "gps.time", "gps.valid", *(f"motor_available.{wheel}" for wheel in WHEELS))
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,6 +146,14 @@ def _high_level(t: float) -> Values:
     }
 
 
+def _mpc(t: float) -> Values:
+    return {
+        **_high_level(t),
+        "estimate.yaw_rate": RATE + 0.01,
+        **_group("motor_available", WHEELS, *((1.0, 1.0, 1.0, 1.0) if t < 0.3 else (1.0, 0.9, 0.5, 0.0))),
+    }
+
+
 def _low_level(t: float) -> Values:
     return {
         **_group("command", ("acceleration", "speed", "yaw_rate"), 0.5, SPEED + 0.3, RATE + 0.02),
@@ -193,6 +201,17 @@ _REGIMES = {
             "command.speed": 20,
         },
         _high_level,
+    ),
+    "MpcAllocator": Regime(
+        0.6,
+        {
+            "wheel_torque.fl": 20.0,
+            "command.steer_angle": 1e-3,
+            "solver.iterations": 5.0,
+            "disturbance.yaw_rate": 1e-2,
+            "residual.moment_z": 0.01,
+        },
+        _mpc,
     ),
     "LowLevelPid": Regime(
         0.06,

@@ -10,7 +10,7 @@ from fmus.controllers.bus import PREVIEW, PREVIEW_PERIOD
 _SPEED, _START, _PULSATION, _AMPLITUDE, _OFFSET = 25.0, 0.5, 2.2, 0.55, 0.2
 
 
-def _path(t: float) -> dict[str, float]:
+def lane_change(t: float) -> dict[str, float]:
     """The trajectory at time t [s]: y = A (tau - sin tau) over x = v t until tau = 2 pi, then straight on."""
     tau = min(max(_PULSATION * (t - _START), 0.0), 6.283185307179586)
     slope = _AMPLITUDE * _PULSATION * (1.0 - cos(tau))
@@ -26,15 +26,20 @@ def _path(t: float) -> dict[str, float]:
     }
 
 
-def _inputs(t: float) -> dict[str, float]:
-    """The trajectory bus, and a car with the reference's course to its left, at time t [s]."""
-    now = _path(t)
+def lane_change_bus(t: float) -> dict[str, float]:
+    """The trajectory bus of the lane change at time t [s]."""
+    now = lane_change(t)
     values = {f"reference.{name}": value for name, value in now.items()}
     for k in range(1, PREVIEW + 1):
-        ahead = _path(t + k * PREVIEW_PERIOD)
+        ahead = lane_change(t + k * PREVIEW_PERIOD)
         values |= {f"preview[{k}].{name}": value for name, value in ahead.items()}
-    return values | {
-        "reference.yaw_rate": now["speed"] * now["curvature"],
+    return values | {"reference.yaw_rate": now["speed"] * now["curvature"]}
+
+
+def _inputs(t: float) -> dict[str, float]:
+    """The trajectory bus, and a car with the reference's course to its left, at time t [s]."""
+    now = lane_change(t)
+    return lane_change_bus(t) | {
         "estimate.position.x": now["x"],
         "estimate.position.y": now["y"] + _OFFSET,
         "estimate.yaw": now["course"],

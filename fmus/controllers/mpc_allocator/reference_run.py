@@ -1,0 +1,38 @@
+"""MpcAllocator: a lane change driven beside the reference, without a car to answer, and a lost motor."""
+
+from __future__ import annotations
+
+from fmukit.reference_run import ReferenceRun
+from fmus.controllers.high_level_lqr.reference_run import lane_change, lane_change_bus
+from fmus.wheels import WHEELS
+
+_OFFSET, _LOST = 0.2, 2.0
+
+
+def _inputs(t: float) -> dict[str, float]:
+    """The trajectory bus, a car with the reference's course to its left, and a motor lost, at time t [s]."""
+    now = lane_change(t)
+    return lane_change_bus(t) | {
+        "estimate.position.x": now["x"],
+        "estimate.position.y": now["y"] + _OFFSET,
+        "estimate.yaw": now["course"],
+        "estimate.yaw_rate": now["speed"] * now["curvature"],
+        "estimate.velocity.x": now["speed"],
+        "motor_available.rr": float(t < _LOST),
+    }
+
+
+RUN = ReferenceRun(
+    "The reference is a lane change to the left at 25 m/s. The car is told to drive 0.2 m beside it without sideslip"
+    " and does not answer; after 2 s the right rear motor is lost and its neighbours take over.",
+    stop=4.0,
+    step=0.02,
+    inputs=_inputs,
+    plots={
+        "Error across the path": ("error.lateral",),
+        "Steering angle": ("command.steer_angle",),
+        "Wheel torques": tuple(f"wheel_torque.{wheel}" for wheel in WHEELS),
+        "Disturbance, change of sideslip and yaw": ("disturbance.sideslip", "disturbance.yaw"),
+        "Iterations": ("solver.iterations", "allocation.iterations"),
+    },
+)
