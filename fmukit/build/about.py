@@ -12,8 +12,8 @@ from fmukit.build.xml import About
 
 _PROJECT = "vehicle-formation-fmus"
 _EPOCH = 1767225600
-_OSQP = """The kernel libraries of this FMU contain C code of OSQP {version} and of its part QDLDL, unchanged, and a workspace
-that OSQP's code generation made.
+_OSQP = """The kernel libraries of this FMU contain C code of OSQP {version} and of its part QDLDL, unchanged, and a
+workspace that OSQP's code generation made.
 
 OSQP
 Copyright (c) 2019 Bartolomeo Stellato, Goran Banjac, Paul Goulart, Stephen Boyd

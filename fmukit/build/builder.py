@@ -14,7 +14,7 @@ import pythonfmu
 
 import fmukit.runtime
 from fmukit.build import about, archive, compiler, crosscheck, python_module, xml
-from fmukit.build.codegen import Code, generate, without_functions
+from fmukit.build.codegen import Code, generate
 from fmukit.build.dependencies import initial_dependencies
 from fmukit.build.documentation import documents
 from fmukit.build.errors import BuildError
@@ -58,12 +58,9 @@ def build(
 
 def _model(interface: Interface, kernel: Kernel | PythonKernel, targets: tuple[str, ...]) -> dict[str, bytes]:
     """Members of the archive that make it run."""
-    if isinstance(kernel, PythonKernel):
-        code, dependencies = without_functions(interface, kernel), None
-        more, program = python_module.files(kernel, targets)
-    else:
-        code, dependencies = generate(interface, kernel), initial_dependencies(interface, kernel)
-        more, program = {}, None
+    code = generate(interface, kernel)
+    dependencies = None if isinstance(kernel, PythonKernel) else initial_dependencies(interface, kernel)
+    more, program = python_module.files(kernel, targets) if isinstance(kernel, PythonKernel) else ({}, None)
     files = more | _package(interface, code, program, {platform: library(code, platform) for platform in targets})
     digest = _digest(files)
     package = f"fmu_{digest.hex()[:16]}"

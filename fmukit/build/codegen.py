@@ -30,8 +30,10 @@ class Code:
     units: tuple[str, ...] = ()
 
 
-def generate(interface: Interface, kernel: Kernel) -> Code:
+def generate(interface: Interface, kernel: Kernel | PythonKernel) -> Code:
     """The C code of a component, the same text for the same kernel."""
+    if isinstance(kernel, PythonKernel):
+        return _without_functions(interface, kernel)
     functions = {"INITIALISE": _dense(kernel.initialise), "STEP": _dense(kernel.step)}
     if kernel.output is not None:
         functions["OUTPUT"] = _dense(kernel.output)
@@ -45,7 +47,7 @@ def generate(interface: Interface, kernel: Kernel) -> Code:
     return Code(text, _header(interface, functions, text, derived, states), derived, states, texts, units)
 
 
-def without_functions(interface: Interface, kernel: PythonKernel) -> Code:
+def _without_functions(interface: Interface, kernel: PythonKernel) -> Code:
     """The library of a component that is a Python module: it knows the size of the buffer and checks limits."""
     if interface.kind != "sampled" or interface.noise:
         raise ValueError(f"{interface.name} is a Python module, which must be sampled and without noise")

@@ -7,6 +7,7 @@ import sys
 import tempfile
 from collections.abc import Iterator, Sequence
 from hashlib import blake2b
+from importlib.machinery import ModuleSpec
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -51,15 +52,19 @@ def files(kernel: PythonKernel, platforms: Sequence[str]) -> tuple[dict[str, byt
 
 
 def _file(name: str) -> Path:
-    try:
-        spec = find_spec(name)
-    except ModuleNotFoundError:
-        spec = None
+    spec = _spec(name)
+    if spec is not None and spec.submodule_search_locations is not None:
+        raise BuildError(f"{name} is a package, whose __init__ does not travel in an FMU; import modules of it by name")
     if spec is None or spec.origin is None or not spec.origin.endswith(".py"):
         raise BuildError(f"the module {name} does not exist or is not a Python file; it cannot travel in an FMU")
-    if spec.submodule_search_locations is not None:
-        raise BuildError(f"{name} is a package, whose __init__ does not travel in an FMU; import its modules instead")
     return Path(spec.origin)
+
+
+def _spec(name: str) -> ModuleSpec | None:
+    try:
+        return find_spec(name)
+    except ModuleNotFoundError:
+        return None
 
 
 def _imports(name: str, path: Path, kernel: PythonKernel) -> Iterator[str]:
@@ -83,10 +88,12 @@ def _relative(name: str, node: ast.ImportFrom) -> Iterator[str]:
     parent = ".".join(name.split(".")[: -node.level])
     if not parent:
         raise BuildError(f"{name}, line {node.lineno}: the relative import leaves the package")
-    if node.module:
-        yield f"{parent}.{node.module}"
+    source = f"{parent}.{node.module}" if node.module else parent
+    spec = _spec(source)
+    if spec is not None and spec.submodule_search_locations is not None:
+        yield from (f"{source}.{alias.name}" for alias in node.names)
     else:
-        yield from (f"{parent}.{alias.name}" for alias in node.names)
+        yield source
 
 
 def library(kernel: PythonKernel, name: str, platform: str) -> Path:
