@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from fmukit.interface import load_parameters
 from fmus.single_track import data
@@ -30,7 +31,9 @@ class DoubleTrackCar:
 
 def car(path: Path = _PARAMETERS, planar: Car | None = None) -> DoubleTrackCar:
     """The car of a parameter file, on the default single-track car unless `planar` is given."""
-    v = {variable.name: float(variable.start) for variable in load_parameters(path)}
-    return DoubleTrackCar(
-        planar or data.car(), d=v["geometry.half_track"], h=v["geometry.cog_height"], least_load=v["load.minimum"]
-    )
+    return of({variable.name: float(variable.start) for variable in load_parameters(path)}, planar or data.car())
+
+
+def of(v: Any, planar: Car) -> DoubleTrackCar:
+    """The car on `planar` whose parameters by name are v[...], numbers or symbols."""
+    return DoubleTrackCar(planar, d=v["geometry.half_track"], h=v["geometry.cog_height"], least_load=v["load.minimum"])

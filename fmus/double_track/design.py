@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from fmus.design import DESIGN, DesignModel
+from fmus.double_track import data
+from fmus.double_track.data import DoubleTrackCar
 from fmus.double_track.interface import INTERFACE
 from fmus.single_track.data import Tyre
 from fmus.single_track.design import design_car
 
 
 def from_design(design: DesignModel = DESIGN) -> dict[str, float]:
-    """Parameters of DoubleTrack by name for a design model.
+    """Parameters of DoubleTrack by name for a design model; its axles are those of the single-track car `design_car`.
 
-    The tyre forces of that car act the pneumatic trail t behind the axles, so its axles carry m a_y (l_R + t)/L and
-    m a_y (l_F - t)/L; here they carry m a_y l_R/L and m a_y l_F/L, and the slip stiffnesses are scaled for the same
-    slip angles. Of the drag only c_w A is known: the frontal area keeps its start value, the coefficient makes the
-    product.
+    Of the drag only c_w A is known: the frontal area keeps its start value, the coefficient makes the product.
     """
-    car, t = design_car(design), design.pneumatic_trail
-    front = replace(car.front, B=car.front.B * car.l_R / (car.l_R + t))
-    rear = replace(car.rear, B=car.rear.B * car.l_F / (car.l_F - t))
+    car = design_car(design)
     area = next(float(v.start) for v in INTERFACE.select("parameter") if v.name == "body.frontal_area")
     return {
         "gravity": car.g,
@@ -34,8 +29,8 @@ def from_design(design: DesignModel = DESIGN) -> dict[str, float]:
         "geometry.half_track": 0.5 * design.track,
         "geometry.cog_height": design.cog_height,
         "wheel.radius": car.R,
-        **_tyre("front", front),
-        **_tyre("rear", rear),
+        **_tyre("front", car.front),
+        **_tyre("rear", car.rear),
         **dict(zip(("rolling.constant", "rolling.linear", "rolling.quartic"), car.rolling, strict=True)),
     }
 
@@ -47,3 +42,9 @@ def _tyre(axle: str, tyre: Tyre) -> dict[str, float]:
         f"tyre.{axle}.peak": tyre.D,
         f"tyre.{axle}.curvature_factor": tyre.E,
     }
+
+
+def double_track_car(design: DesignModel = DESIGN) -> DoubleTrackCar:
+    """The same car for the equations of `model`."""
+    start = {variable.name: variable.start for variable in INTERFACE.select("parameter")}
+    return data.of(start | from_design(design), design_car(design))

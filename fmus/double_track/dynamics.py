@@ -11,9 +11,10 @@ from typing import Any
 import casadi as ca
 
 from fmukit.kernel import Layout, Signals
+from fmus.double_track import data
 from fmus.double_track.data import DoubleTrackCar
 from fmus.double_track.model import wheel_loads
-from fmus.single_track.data import Car, Tyre
+from fmus.single_track import data as planar
 from fmus.single_track.forces import air_drag, ellipse, lateral, rolling_coefficient
 from fmus.vehicle16dof.friction import dry
 from fmus.wheels import WHEELS
@@ -48,20 +49,7 @@ class Motion:
 
 def car(parameters: Signals) -> DoubleTrackCar:
     """The car of the parameters: its numbers are symbols."""
-    p: Any = parameters
-    planar = Car(
-        m=p["body.mass"],
-        I_zz=p["body.inertia.z"],
-        l_F=p["geometry.front_axle"],
-        l_R=p["geometry.rear_axle"],
-        R=p["wheel.radius"],
-        g=p["gravity"],
-        drag=0.5 * p["body.drag_coefficient"] * p["air.density"] * p["body.frontal_area"],
-        front=_tyre(p, "front"),
-        rear=_tyre(p, "rear"),
-        rolling=(p["rolling.constant"], p["rolling.linear"], p["rolling.quartic"]),
-    )
-    return DoubleTrackCar(planar, d=p["geometry.half_track"], h=p["geometry.cog_height"], least_load=p["load.minimum"])
+    return data.of(parameters, planar.of(parameters))
 
 
 def evaluate(p: Signals, u: Signals, x: dict[str, ca.SX]) -> Motion:
@@ -108,11 +96,6 @@ def steering_rate(p: Signals, u: Signals, delta: ca.SX) -> ca.SX:
     """delta' [rad/s]: a lag towards the commanded angle, which is limited, with limited rate."""
     asked = _clip(u["command.steer_angle"], p["steering.limit"])
     return _clip((asked - delta) / p["steering.lag"], p["steering.rate_limit"])
-
-
-def _tyre(p: Any, axle: str) -> Tyre:
-    names = ("stiffness_factor", "shape_factor", "peak", "curvature_factor")
-    return Tyre(*(p[f"tyre.{axle}.{name}"] for name in names))
 
 
 def _longitudinal(p: Signals, u: Signals, c: DoubleTrackCar, V_x: ca.SX, rolling: ca.SX) -> tuple[ca.SX, ca.SX]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from fmukit.interface import load_parameters
 
@@ -59,8 +60,12 @@ class Car:
 
 
 def car(path: Path = _PARAMETERS) -> Car:
-    """The car of a parameter file; `drag` is c_w rho A / 2 [kg/m]."""
-    v = {variable.name: float(variable.start) for variable in load_parameters(path)}
+    """The car of a parameter file."""
+    return of({variable.name: float(variable.start) for variable in load_parameters(path)})
+
+
+def of(v: Any) -> Car:
+    """The car whose parameters by name are v[...], numbers or symbols; `drag` is c_w rho A / 2 [kg/m]."""
     return Car(
         m=v["body.mass"],
         I_zz=v["body.inertia.z"],
@@ -75,6 +80,6 @@ def car(path: Path = _PARAMETERS) -> Car:
     )
 
 
-def _tyre(v: dict[str, float], axle: str) -> Tyre:
+def _tyre(v: Any, axle: str) -> Tyre:
     names = ("stiffness_factor", "shape_factor", "peak", "curvature_factor")
     return Tyre(*(v[f"tyre.{axle}.{name}"] for name in names))

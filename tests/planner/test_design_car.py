@@ -6,29 +6,82 @@ import math
 
 import casadi as ca
 import pytest
+from scipy.optimize import fsolve
 
+from fmukit.direct import Direct
 from fmukit.interface import load_parameters
+from fmus import vehicle16dof
 from fmus.design import DESIGN
 from fmus.planner.hocp import Settings, plan
 from fmus.planner.road import double_lane_change
 from fmus.planner.vehicle import two_wheel_drive
 from fmus.single_track.design import _PARAMETERS, design_car
 from fmus.single_track.forces import lateral
+from fmus.single_track.model import function
 from fmus.vehicle16dof import magic
+from fmus.wheels import FRONT, WHEELS
 
 PLANT = {v.name: float(v.start) for v in load_parameters(_PARAMETERS)}
 
 
-def test_tyres_are_those_of_the_plant() -> None:
+@pytest.mark.parametrize("a_y", [1.0, 3.0, 5.0, 7.0])
+def test_axles_carry_the_steady_turn_of_the_plants_tyres(a_y: float) -> None:
+    """Slip angles of both axles from the balance of forces and moments of the four tyres, each with its own trail."""
     k = {name.removeprefix("tyre."): value for name, value in PLANT.items() if name.startswith("tyre.")}
-    car = design_car()
-    for tyre, load in zip((car.front, car.rear), car.static_loads, strict=True):
-        for alpha in (-0.2, 0.01, 0.05, 0.1):
-            expected = -2 * magic.lateral(math, k, load / 2, 1.0, math.tan(alpha))
-            assert float(lateral(tyre, ca.DM(alpha))) == pytest.approx(expected, rel=0.01)
-    # softer than the static stiffness, because load transfer costs grip, but of the same size
-    assert 0.8 < DESIGN.cornering_front / car.front.cornering_stiffness < 1.0
-    assert 0.8 < DESIGN.cornering_rear / car.rear.cornering_stiffness < 1.0
+    car, D, (roll_F, roll_R) = design_car(), DESIGN, DESIGN.roll_stiffness
+    height = D.cog_height / (1 - D.mass * D.gravity * D.cog_height / (roll_F + roll_R))
+    whole = D.mass * a_y * height / D.track / (roll_F + roll_R)
+
+    def axle(load: float, transfer: float, alpha: float) -> tuple[float, float]:
+        loads = (load / 2 - transfer, load / 2 + transfer)
+        forces = [-magic.lateral(math, k, F_z, 1.0, math.tan(alpha)) for F_z in loads]
+        fade = 1 - math.tan(alpha) / k["trail_vanishing_slip"]
+        moments = [-k["trail"] * fade * F_z / 4000.0 * F_y for F_z, F_y in zip(loads, forces, strict=True)]
+        return sum(forces), sum(moments)
+
+    def balance(slips: list[float]) -> list[float]:
+        (F_F, M_F), (F_R, M_R) = (
+            axle(load, whole * roll, alpha)
+            for load, roll, alpha in zip(car.static_loads, (roll_F, roll_R), slips, strict=True)
+        )
+        return [F_F + F_R - D.mass * a_y, car.l_F * F_F - car.l_R * F_R + M_F + M_R]
+
+    slips = fsolve(balance, [0.012 * a_y, 0.01 * a_y], xtol=1e-12)
+    for tyre, alpha, arm in zip((car.front, car.rear), slips, (car.l_R, car.l_F), strict=True):
+        assert float(lateral(tyre, ca.DM(alpha))) == pytest.approx(D.mass * a_y * arm / D.wheelbase, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("speed", "steer", "a_y", "off"), [(12.0, 0.08, 3.9, 0.02), (20.0, 0.03, 3.5, 0.05), (20.0, 0.06, 6.2, 0.08)]
+)
+def test_curvature_is_that_of_the_multibody_car(speed: float, steer: float, a_y: float, off: float) -> None:
+    """A steady turn of Vehicle16Dof with driven wheels; the planar car at its speed and steering angle.
+
+    Rolling resistance, which turns the loaded side back, and the lift of the front by the drag are left out there.
+    """
+    heavy = Direct(vehicle16dof.COMPONENT, {"initial.speed": speed})
+    torque = 0.0
+    for i in range(2000):
+        error = speed - heavy["velocity.x"]
+        torque += 100.0 * error * 0.002
+        asked = steer * min(i * 0.002, 1.0)
+        servo = {w: 4e4 * (asked - heavy[f"steer_angle.{w}"]) - 200.0 * heavy[f"steer_rate.{w}"] for w in FRONT}
+        heavy.set({f"steer_torque.{w}": servo[w] for w in FRONT})
+        heavy.set({f"wheel_torque.{w}": torque + 250.0 * error for w in WHEELS})
+        heavy.advance(0.002)
+    v, r = math.hypot(heavy["velocity.x"], heavy["velocity.y"]), heavy["angular_rate.z"]
+    delta, f = sum(heavy[f"steer_angle.{w}"] for w in FRONT) / 2, function(design_car())
+
+    def rest(z: list[float]) -> list[float]:
+        return [
+            float(rate)
+            for i, rate in enumerate(ca.vertsplit(f([0, 0, v, z[0], 0, z[1], delta], [0, 0, z[2]])))
+            if i in (2, 3, 5)
+        ]
+
+    assert heavy["acceleration.y"] == pytest.approx(a_y, abs=0.3)
+    assert heavy["acceleration.y"] == pytest.approx(v * r, rel=0.02)
+    assert fsolve(rest, [0.0, r, 300.0])[1] == pytest.approx(r, rel=off)
 
 
 def test_masses_and_loads() -> None:
