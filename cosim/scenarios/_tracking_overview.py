@@ -77,22 +77,22 @@ def _tracking(results: Results, axes: Any) -> None:
 
 
 def _speeds(results: Results, axes: Any) -> None:
-    _plot(results, axes, "reference.reference.speed", "reference")
-    _plot(results, axes, "plant.velocity.x", "forward")
-    _plot(results, axes, "filter.estimate.velocity.x", "estimated")
+    plot(results, axes, "reference.reference.speed", "reference")
+    plot(results, axes, "plant.velocity.x", "forward")
+    plot(results, axes, "filter.estimate.velocity.x", "estimated")
     axes.set(title="speed", ylabel="m/s")
 
 
 def _accelerations(results: Results, axes: Any) -> None:
-    _plot(results, axes, "plant.acceleration.x", "longitudinal")
-    _plot(results, axes, "plant.acceleration.y", "lateral")
-    _plot(results, axes, "hlc.command.acceleration", "commanded")
+    plot(results, axes, "plant.acceleration.x", "longitudinal")
+    plot(results, axes, "plant.acceleration.y", "lateral")
+    plot(results, axes, "hlc.command.acceleration", "commanded")
     axes.set(title="acceleration of O1, body axes", ylabel="m/s2")
 
 
 def _attitude(results: Results, axes: Any) -> None:
     for name in ("roll", "pitch", "sideslip"):
-        _plot(results, axes, f"plant.{name}", name, 180.0 / np.pi)
+        plot(results, axes, f"plant.{name}", name, 180.0 / np.pi)
     axes.set(title="attitude", ylabel="deg")
 
 
@@ -106,9 +106,9 @@ def _lateral_forces(results: Results, axes: Any) -> None:
 
 def _wheels(results: Results, axes: Any, axis: str, text: str) -> None:
     for i, wheel in enumerate(_WHEELS):
-        _plot(results, axes, f"plant.tyre_force_{axis}.{wheel}", wheel, 1e-3, color=f"C{i}")
+        plot(results, axes, f"plant.tyre_force_{axis}.{wheel}", wheel, 1e-3, color=f"C{i}")
         if axis == "y":
-            _plot(results, axes, f"plant.tyre_force_z.{wheel}", f"{wheel} load", 1e-3, color=f"C{i}", linestyle=":")
+            plot(results, axes, f"plant.tyre_force_z.{wheel}", f"{wheel} load", 1e-3, color=f"C{i}", linestyle=":")
     axes.set(title=f"wheel forces, {text}", ylabel="kN")
 
 
@@ -126,7 +126,7 @@ def _yaw_estimate(results: Results, axes: Any) -> None:
 
 def _estimate(results: Results, axes: Any, name: str, color: str, scale: float) -> float:
     """Draw one error with its band; gives the height that shows all but the filter's first moments."""
-    rows = _thinned(results.instants("filter"))
+    rows = thinned(results.instants("filter"))
     time = results.time[rows]
     error = results[f"filter.estimate.{name}"][rows] - results[f"plant.{name}"][rows]
     if name == "yaw":
@@ -137,11 +137,12 @@ def _estimate(results: Results, axes: Any, name: str, color: str, scale: float) 
     return 1.5 * max(float(np.quantile(np.abs(scale * error), 0.99)), float(np.quantile(band, 0.95)), 1e-9)
 
 
-def _plot(results: Results, axes: Any, name: str, label: str, scale: float = 1.0, **style: Any) -> None:
-    rows = _thinned(np.arange(len(results.time)))
+def plot(results: Results, axes: Any, name: str, label: str, scale: float = 1.0, **style: Any) -> None:
+    """One signal over time, times `scale`."""
+    rows = thinned(np.arange(len(results.time)))
     axes.plot(results.time[rows], scale * results[name][rows], label=label, **style)
 
 
-def _thinned(rows: np.ndarray) -> np.ndarray:
+def thinned(rows: np.ndarray) -> np.ndarray:
     """At most _MOST_POINTS of the rows: more cannot be seen and take long to draw."""
     return rows[:: max(1, len(rows) // _MOST_POINTS)]

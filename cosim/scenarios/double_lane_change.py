@@ -1,0 +1,19 @@
+"""The time-optimal double lane change of the planar car, started beside the plan."""
+
+from cosim.scenario import Scenario
+from cosim.scenarios import _lane_change
+from cosim.scenarios._catalogue import fmu_path
+from cosim.scenarios._lane_change_metrics import lane_change_metrics
+
+SCENARIO = Scenario(
+    name="double-lane-change",
+    title="Time-optimal double lane change of a planar car with four driven wheels, started 0.3 m beside the plan",
+    figures="Figs. 3.10 to 3.14 (concept of Fig. 3.3, path of Fig. 3.4)",
+    stop_time=7.5,
+    build=_lane_change.planar_loop,
+    complete=_lane_change.start_beside_plan,
+    find=fmu_path,
+    metrics=lane_change_metrics,
+    draw=_lane_change.draw,
+    settings=_lane_change.perturbations(lateral=0.3),
+)
