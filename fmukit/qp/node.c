@@ -3,7 +3,8 @@
    This file is OSQP's own sources and one function around them, compiled once per library; each solver brings its
    workspace. Every call writes everything the iteration reads (data, step sizes, start, factor), so that the result
    is a function of the arguments alone, whatever was solved before. It does so in the workspace itself: OSQP's update
-   functions would factor the matrix up to three times, and skip what they think unchanged. */
+   functions would factor the matrix up to three times, and skip what they think unchanged. One call at a time: CasADi
+   lets other threads of Python run while it evaluates. */
 
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC optimize("O3") /* long vectors: an eighth faster, the same bits; clang vectorises without */
@@ -14,11 +15,14 @@
 #endif
 
 #include <math.h>
+#include <stdatomic.h>
 
 #if defined(_WIN32)
+__declspec(dllimport) int __stdcall SwitchToThread(void);
 __declspec(dllimport) int __stdcall QueryPerformanceCounter(long long *);
 __declspec(dllimport) int __stdcall QueryPerformanceFrequency(long long *);
 #else
+#include <sched.h>
 #include <time.h>
 #endif
 
@@ -54,6 +58,20 @@ static double now(void) {
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 #endif
 }
+
+static atomic_flag busy = ATOMIC_FLAG_INIT;
+
+static void enter(void) {
+  while (atomic_flag_test_and_set_explicit(&busy, memory_order_acquire)) {
+#if defined(_WIN32)
+    SwitchToThread();
+#else
+    sched_yield();
+#endif
+  }
+}
+
+static void leave(void) { atomic_flag_clear_explicit(&busy, memory_order_release); }
 
 /* Copy finite numbers (zeros where there is no argument); returns whether all were finite. */
 static int take(OSQPFloat *to, const double *from, OSQPInt count) {
@@ -103,7 +121,7 @@ static int factor(OSQPSolver *solver) {
   qdldl_solver *linear = (qdldl_solver *)work->linsys_solver;
   OSQPVectorf_to_raw(linear->rho_inv_vec, work->rho_inv_vec);
   update_KKT_param2(linear->KKT, linear->rho_inv_vec, linear->rho_inv, linear->rhotoKKT, data->m);
-  return linear->update_matrices((LinSysSolver *)linear, data->P, 0, data->P->csc->p[data->n], data->A, 0,
+  return linear->update_matrices(linear, data->P, 0, data->P->csc->p[data->n], data->A, 0,
                                  data->A->csc->p[data->n])
              ? NOT_CONVEX
              : 0;
@@ -130,6 +148,7 @@ static void give_start(double *to, const double *from, OSQPInt count) {
 
 /* The function behind every solver; `setting` is the penalty used when the argument is not positive. */
 int qp_node(OSQPSolver *solver, double setting, const double **arg, double **res) {
+  enter();
   const int timed = arg[TIMED_IN] && *arg[TIMED_IN] != 0.0;
   const double start = timed ? now() : 0.0;
   const double given = arg[RHO_IN] ? *arg[RHO_IN] : 0.0;
@@ -151,5 +170,6 @@ int qp_node(OSQPSolver *solver, double setting, const double **arg, double **res
   give(res, PRIMAL_OUT, status > 0 ? solver->info->prim_res : OSQP_INFTY);
   give(res, DUAL_OUT, status > 0 ? solver->info->dual_res : OSQP_INFTY);
   give(res, TIME_OUT, timed ? now() - start : 0.0);
+  leave();
   return 0;
 }

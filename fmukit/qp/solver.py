@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import casadi as ca
 
@@ -22,7 +22,7 @@ class QpSolver:
 
     name: str
     function: ca.Function
-    sources: Mapping[str, str]
+    sources: Mapping[str, str] = field(repr=False)
     units: tuple[str, ...]
 
 
