@@ -11,12 +11,17 @@ from fmus.planner import check
 from fmus.planner.errors import PlanningError
 from fmus.planner.gates import Array
 from fmus.planner.hocp import Plan
+from fmus.planner.vehicle import Vehicle
 
 
 def table(plan: Plan, finer: int = check.FINER) -> Array:
     """(n, 7): time, x, y, course, speed, acceleration along the path, curvature; course = yaw + sideslip."""
-    times, x, u = check.fine(plan.vehicle, plan.nodes, plan.substeps, finer)
-    rate = plan.vehicle.f.map(len(times))(x, u).full()
+    return rows(plan.vehicle, *check.fine(plan.vehicle, plan.nodes, plan.substeps, finer))
+
+
+def rows(vehicle: Vehicle, times: Array, x: Array, u: Array) -> Array:
+    """The same of states x (7, n) and inputs u (n_u, n) at `times` (n,) [s]."""
+    rate = vehicle.f.map(len(times))(x, u).full()
     v = x[2]
     columns = times, x[0], x[1], x[3] + x[4], v, rate[2], (rate[3] + rate[4]) / v
     return np.column_stack(columns)
@@ -24,8 +29,13 @@ def table(plan: Plan, finer: int = check.FINER) -> Array:
 
 def write(plan: Plan, file: Path, finer: int = check.FINER) -> None:
     """Write the trajectory with its header line; raises PlanningError when the file cannot be written."""
-    rows = [",".join(COLUMNS), *(",".join(f"{value:.9g}" for value in row) for row in table(plan, finer))]
+    write_rows(table(plan, finer), file)
+
+
+def write_rows(rows: Array, file: Path) -> None:
+    """Write rows (n, 7) in the order of the columns with the header line; PlanningError as `write`."""
+    lines = [",".join(COLUMNS), *(",".join(f"{value:.9g}" for value in row) for row in rows)]
     try:
-        file.write_text("\n".join(rows) + "\n", "utf-8")
+        file.write_text("\n".join(lines) + "\n", "utf-8")
     except OSError as error:
         raise PlanningError(f"{file} cannot be written ({error.strerror}); name another file") from error
