@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import casadi as ca
 
 from fmus.planner import sensitivity
 
-_CALL = {"never_inline": True}
+_CALL: dict[str, Any] = {"never_inline": True}
 
 
 def interval(f: ca.Function, substeps: int) -> ca.Function:

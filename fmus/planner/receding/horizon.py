@@ -1,0 +1,148 @@
+"""The receding horizon: one local problem after the other, each beginning where the accepted part of the last ends."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ..gates import Gates
+from .guess import guess
+from .layout import AHEAD
+from .memory import BRAKED, ENDED, PLANNING, Plan, Tail
+from .road import Road
+from .search import Ahead, Array, Found, Tools, constants, search
+from .speed import SLOWEST, profile, within_horizon
+
+TAIL, SOFT, BRAKE = 1, 2, 3
+"""Fallbacks: the rest of the last problem, a softened problem, braking to a stop."""
+_SETTLED = np.array([0.01, 0.02, 0.01])
+"""Sideslip [rad], yaw rate [rad/s] and steering angle [rad] of a car that goes straight on."""
+_NO_TAIL = Tail(np.zeros((0, 7)), np.zeros((0, 3)), np.zeros(0))
+
+
+def planned_until(tools: Tools, p: Mapping[str, Any], road: Road, plan: Plan, t: float) -> Plan:
+    """The plan, extended until it reaches time t [s] or is complete."""
+    while plan.phase == PLANNING and plan.end < t:
+        plan = extended(tools, p, road, plan)
+    return plan
+
+
+def extended(tools: Tools, p: Mapping[str, Any], road: Road, plan: Plan) -> Plan:
+    """The plan with the accepted part of one more local problem, or with what stands in for it."""
+    ahead = problem(tools.horizon, p, road, plan)
+    found = _hard(tools, p, ahead, plan.tail)
+    plan = _noted(plan, found, failed=not found.solved)
+    if found.solved:
+        return _accepted(p, road, plan, found)
+    if len(plan.tail.T):
+        return _fallen_back(_continued(road, plan), TAIL)
+    softened = search(tools, p, ahead, guess(ahead, _NO_TAIL, 0.0), soft=True)
+    plan = _noted(plan, softened, failed=False)
+    if softened.solved:
+        return _fallen_back(_accepted(p, road, plan, softened), SOFT)
+    return _fallen_back(replace(plan, phase=BRAKED, bend=_bend(tools, p, plan)), BRAKE)
+
+
+def problem(horizon: int, p: Mapping[str, Any], road: Road, plan: Plan) -> Ahead:
+    """The local problem at the end of the plan."""
+    gates = road.gates(plan.gate, horizon + 1)
+    frames = gates.frames.copy()
+    frames[0, :2] = plan.x[-1, :2]
+    return Ahead(
+        plan.x[-1],
+        plan.u[-1],
+        Gates(frames, gates.low, gates.high),
+        fastest(horizon, p, road, plan.gate),
+        road.curvatures(plan.gate, horizon + 1),
+    )
+
+
+def fastest(horizon: int, p: Mapping[str, Any], road: Road, gate: int) -> Array:
+    """Bounds (N+1,) of the speed [m/s]: the last from all of the road in sight, that of the next start by its horizon.
+
+    Where the sight ends the car must be able to crawl, at the end of the road the speed is at most `end.speed`.
+    """
+    accept, braking = int(p["horizon.accept"]), p["speed.braking"]
+    seen = max(int(p["road.sight"] / road.spacing), horizon) + 1
+    left = road.last - gate + 1
+    ends = not road.closed and left <= seen
+    count = max(left, horizon + accept + 1) if ends else max(seen, horizon + 1)
+    curvature = road.curvatures(gate, count)
+    v = profile(curvature, road.spacing, p["speed.lateral"], braking, p["end.speed"] if ends else SLOWEST)
+    bounds = np.full(horizon + 1, p["limit.speed"])
+    bounds[horizon] = v[horizon]
+    after = v[min(horizon + accept, count - 1)]
+    bounds[accept] = min(bounds[accept], within_horizon(after, horizon * road.spacing, braking))
+    if ends:
+        bounds[max(left - 1, 0) :] = np.minimum(bounds[max(left - 1, 0) :], p["end.speed"])
+    return np.minimum(bounds, p["limit.speed"])
+
+
+def _hard(tools: Tools, p: Mapping[str, Any], ahead: Ahead, tail: Tail) -> Found:
+    """The problem as it is; when the search from the tail ends without a solution, once more from the road."""
+    found = search(tools, p, ahead, guess(ahead, tail, 0.2 * p["limit.rear_drive"]))
+    if found.solved or not len(tail.T):
+        return found
+    again = search(tools, p, ahead, guess(ahead, _NO_TAIL, 0.2 * p["limit.rear_drive"]))
+    return replace(again, iterations=again.iterations + found.iterations, time=again.time + found.time)
+
+
+def _accepted(p: Mapping[str, Any], road: Road, plan: Plan, found: Found) -> Plan:
+    """With the first M intervals, or with all up to the end of the road and until the car goes straight on."""
+    nodes, k = found.nodes, int(p["horizon.accept"])
+    left = road.last - plan.gate
+    ends = not road.closed and left <= k
+    if ends:
+        settled = [j for j in range(max(left, 1), len(nodes.T)) if np.all(np.abs(nodes.x[j, [3, 5, 6]]) <= _SETTLED)]
+        k = settled[0] if settled else len(nodes.T)
+    tail = Tail(nodes.x[k + 1 :], nodes.u[k:], nodes.T[k:])
+    plan = replace(_joined(road, plan, Tail(nodes.x[1 : k + 1], nodes.u[:k], nodes.T[:k])), tail=tail)
+    return replace(plan, phase=ENDED) if ends else plan
+
+
+def _continued(road: Road, plan: Plan) -> Plan:
+    """With the rest of the last problem, which is then used up."""
+    plan = replace(_joined(road, plan, plan.tail), tail=_NO_TAIL)
+    ends = not road.closed and plan.gate >= road.last
+    return replace(plan, phase=ENDED) if ends else plan
+
+
+def _joined(road: Road, plan: Plan, part: Tail) -> Plan:
+    """With the part; passing the last gate of the road is noted."""
+    longer = plan.joined(part.x, part.u, part.T)
+    passed = [k for k in range(1, len(part.T) + 1) if _at_end(road, plan.gate + k)]
+    if not passed:
+        return longer
+    time = float(longer.times[len(plan.times) - 1 + passed[-1]])
+    return replace(longer, record=replace(longer.record, final_time=time))
+
+
+def _at_end(road: Road, gate: int) -> bool:
+    return gate % road.last == 0 if road.closed else gate == road.last
+
+
+def _noted(plan: Plan, found: Found, *, failed: bool) -> Plan:
+    record = replace(
+        plan.record,
+        count=plan.record.count + 1,
+        failed=plan.record.failed + failed,
+        status=found.status,
+        iterations=found.iterations,
+        time=found.time,
+        violation=found.violation,
+        slack=found.slack,
+    )
+    return replace(plan, record=record)
+
+
+def _fallen_back(plan: Plan, kind: int) -> Plan:
+    return replace(plan, record=replace(plan.record, fallbacks=plan.record.fallbacks + 1, fallback=kind))
+
+
+def _bend(tools: Tools, p: Mapping[str, Any], plan: Plan) -> float:
+    """Curvature [1/m] of the path at the end of the plan."""
+    columns = (np.tile(part[:, None], AHEAD) for part in (plan.x[-1], plan.u[-1]))
+    return float(tools.motion(*columns, np.zeros((1, AHEAD)), constants(p))[8, 0])

@@ -1,0 +1,30 @@
+"""How fast the car may be at the end of a local problem: what the road beyond it allows."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+SLOWEST = 3.0
+"""The car's model is not valid below this speed [m/s]."""
+MARGIN = 1.1
+"""A horizon must be longer than the braking distance by this factor."""
+
+
+def profile(curvature: Array, spacing: float, lateral: float, braking: float, end: float) -> Array:
+    """Highest speeds (n,) at gates `spacing` [m] apart with `end` [m/s] at the last, by a backward pass.
+
+    v_j = min(sqrt(a_y/|kappa_j|), sqrt(v_{j+1}^2 + 2 a_b ds)), not below SLOWEST; `lateral` a_y, `braking` a_b [m/s2].
+    """
+    squares = lateral / np.maximum(np.abs(curvature), 1e-9)
+    squares[-1] = min(squares[-1], end**2)
+    gain = 2 * braking * spacing
+    for j in range(len(squares) - 2, -1, -1):
+        squares[j] = min(squares[j], squares[j + 1] + gain)
+    return np.maximum(np.sqrt(squares), SLOWEST)
+
+
+def within_horizon(last: float, length: float, braking: float) -> float:
+    """The speed [m/s] from which the car can brake to `last` on `length` [m], MARGIN kept."""
+    return float(np.sqrt(last**2 + 2 * braking * length / MARGIN))
