@@ -5,7 +5,10 @@ from __future__ import annotations
 import _ctypes
 import ctypes
 import sys
+import threading
 from pathlib import Path
+
+from .shared import Shared
 
 FILE = {"win32": "kernel.dll", "darwin": "kernel.dylib"}.get(sys.platform, "kernel.so")
 _PROTOTYPES = {
@@ -15,7 +18,6 @@ _PROTOTYPES = {
     "fmukit_misfit": (ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64),
     "fmukit_size": (),
 }
-_loaded: dict[str, tuple[ctypes.PyDLL, int]] = {}
 
 
 class LibraryError(Exception):
@@ -27,9 +29,7 @@ def load(path: Path, size: int) -> ctypes.PyDLL:
 
     PyDLL keeps the GIL: the kernel's scratch memory is static and shared by all instances of the process.
     """
-    key = str(path)
-    library, users = _loaded.get(key) or (_open(path), 0)
-    _loaded[key] = (library, users + 1)
+    library: ctypes.PyDLL = _loaded.take(str(path), lambda: _open(path))
     if library.fmukit_size() != size:
         release(path)
         raise LibraryError(f"{path.name} does not belong to this FMU; unpack the FMU again")
@@ -38,10 +38,11 @@ def load(path: Path, size: int) -> ctypes.PyDLL:
 
 def release(path: Path) -> None:
     """One user less; the last one unloads the library, so that its file can be deleted."""
-    library, users = _loaded.pop(str(path))
-    if users > 1:
-        _loaded[str(path)] = (library, users - 1)
-    elif sys.platform == "win32":
+    _loaded.give_back(str(path))
+
+
+def _unload(library: ctypes.PyDLL) -> None:
+    if sys.platform == "win32":
         _ctypes.FreeLibrary(library._handle)
     else:
         _ctypes.dlclose(library._handle)
@@ -59,3 +60,6 @@ def _open(path: Path) -> ctypes.PyDLL:
         if function is not None:
             function.argtypes, function.restype = list(arguments), ctypes.c_int
     return library
+
+
+_loaded = Shared(threading.RLock(), _unload)

@@ -16,13 +16,14 @@ from pathlib import Path
 from typing import Any
 
 from .description import Description, Port, Program
+from .shared import Shared
 
 SAID = -3
 _SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 _LONGEST = 300
-_loaded: dict[str, tuple[Any, Any, int]] = {}
 # Solvers give up Python's global lock while they work. The interpreter is what all FMUs of a process share.
 _turn: threading.RLock = sys.__dict__.setdefault("_fmukit_turn", threading.RLock())
+_loaded = Shared(_turn, lambda _: None)
 
 
 class ScriptError(Exception):
@@ -31,16 +32,13 @@ class ScriptError(Exception):
 
 def load(program: Program, folder: Path) -> tuple[Any, Any]:
     """The module of the FMU whose package lies in `folder`, and what it prepared; one more user of them."""
-    module, tools, users = _loaded.get(str(folder)) or (*_prepared(program, folder), 0)
-    _loaded[str(folder)] = (module, tools, users + 1)
-    return module, tools
+    found: tuple[Any, Any] = _loaded.take(str(folder), lambda: _prepared(program, folder))
+    return found
 
 
 def release(folder: Path) -> None:
     """One user less; with the last one the compiled libraries are let go, so that their files can be deleted."""
-    module, tools, users = _loaded.pop(str(folder))
-    if users > 1:
-        _loaded[str(folder)] = (module, tools, users - 1)
+    _loaded.give_back(str(folder))
 
 
 def _prepared(program: Program, folder: Path) -> tuple[Any, Any]:
@@ -53,8 +51,7 @@ def _prepared(program: Program, folder: Path) -> tuple[Any, Any]:
     for path in libraries.values():
         if not path.is_file():
             raise ScriptError(f"this FMU has no {path.name} for {sys.platform}; build it for this platform")
-    with _turn:
-        return modules[0], modules[0].prepare({name: str(path) for name, path in libraries.items()})
+    return modules[0], modules[0].prepare({name: str(path) for name, path in libraries.items()})
 
 
 def _require(package: str, least: str) -> None:

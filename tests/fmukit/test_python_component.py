@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import demo_search
@@ -98,6 +99,23 @@ def test_state_replays_in_place_and_from_bytes(fresh: Make) -> None:
     instance.time = other.time = time
     assert _play(instance, SCRIPT[4:]) == expected
     assert _play(other, SCRIPT[4:]) == expected
+
+
+def test_instances_in_threads_are_independent(file: Path) -> None:
+    """The solver gives up Python's lock while it works, so that calls of two threads overlap."""
+
+    def life(product: float) -> list[dict[str, float]]:
+        instance = Instance(file, file.parent / "unzipped", f"of {product}").initialise({"product": product})
+        seen = _play(instance, 10 * SCRIPT)
+        instance.free()
+        return seen
+
+    Instance(file, file.parent / "unzipped").free()
+    products = [1.0, 2.0, 3.0, 4.0]
+    alone = [life(product) for product in products]
+    with ThreadPoolExecutor(4) as pool:
+        for _ in range(3):
+            assert list(pool.map(life, products)) == alone
 
 
 FAILURES = {
