@@ -15,11 +15,15 @@ from cosim.slave import Vector
 
 
 class Results:
-    """`results["plant.yaw"]` is a column; `periods` [s] by instance name come from the run's summary."""
+    """`results["plant.yaw"]` is a column; `periods` [s] by instance name come from the run's summary.
 
-    def __init__(self, table: Any, periods: Mapping[str, float]) -> None:
+    `settings` are those of the scenario that ran, by name.
+    """
+
+    def __init__(self, table: Any, periods: Mapping[str, float], settings: Mapping[str, Any] | None = None) -> None:
         self._table = table
         self.periods = dict(periods)
+        self.settings = dict(settings or {})
         self.names = [name for name in table.column_names if name != "time"]
         self.time = table.column("time").to_numpy()
 
@@ -47,12 +51,12 @@ class Results:
         return rows[rows < len(self.time) - 1]
 
 
-def load_results(folder: Path, periods: Mapping[str, float]) -> Results:
+def load_results(folder: Path, periods: Mapping[str, float], settings: Mapping[str, Any] | None = None) -> Results:
     """The results in a run's folder: the Parquet file, or what a killed run left in its stream."""
     if (folder / PARQUET).is_file():
         from pyarrow import parquet  # noqa: PLC0415  (slow to import)
 
-        return Results(parquet.ParquetFile(folder / PARQUET).read(), periods)
+        return Results(parquet.ParquetFile(folder / PARQUET).read(), periods, settings)
     if (folder / STREAM).is_file():
-        return Results(read_stream(folder / STREAM), periods)
+        return Results(read_stream(folder / STREAM), periods, settings)
     raise CosimError(f"{folder} holds no results")

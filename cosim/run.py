@@ -18,7 +18,7 @@ from cosim.loader import Loader
 from cosim.master import Master, Outcome
 from cosim.recorder import PARQUET, STREAM, Recorder, recorded
 from cosim.results import Results, load_results
-from cosim.scenario import Scenario, configured
+from cosim.scenario import Scenario, chosen, configured
 from cosim.schedule import Schedule, Scheme, schedule
 from cosim.slave import Slave, SlaveError
 from cosim.summary import SUMMARY, summarise, write_summary
@@ -82,7 +82,7 @@ def run(
         plan = Plan(scenario, nodes, schedule(nodes, request.scheme), stop, request.seed)
         explain(plan)
         outcome = execute(plan, lambda: loader.slaves(system, nodes), request.folder, progress)
-    return _conclude(plan, outcome, request.folder)
+    return _conclude(plan, outcome, request)
 
 
 def requested(request: Request) -> System:
@@ -148,8 +148,9 @@ def _kept(recorder: Recorder, progress: Progress, time: int) -> None:
     progress(time)
 
 
-def _conclude(plan: Plan, outcome: Outcome, folder: Path) -> tuple[dict[str, Any], Results]:
-    results = load_results(folder, {name: node.period / 1e9 for name, node in plan.nodes.items()})
+def _conclude(plan: Plan, outcome: Outcome, request: Request) -> tuple[dict[str, Any], Results]:
+    folder, settings = request.folder, chosen(request.scenario, request.assignments)
+    results = load_results(folder, {name: node.period / 1e9 for name, node in plan.nodes.items()}, settings)
     metrics = plan.scenario.metrics(results) if len(results.time) > 1 else {}
     summary = summarise(plan.scenario.name, plan.seed, outcome, plan.nodes, metrics)
     try:

@@ -89,12 +89,18 @@ class Scenario:
     settings: Mapping[str, Setting | NumberSetting] = field(default_factory=dict)
 
 
-def configured(scenario: Scenario, assignments: Sequence[tuple[str, str]]) -> System:
-    """The system of `scenario` with all assignments applied: its own settings, then instance variables."""
+def chosen(scenario: Scenario, assignments: Sequence[tuple[str, str]]) -> Settings:
+    """The settings of `scenario` that the assignments make; raises CosimError for one it has not."""
     settings: dict[str, Any] = {name: setting.default for name, setting in scenario.settings.items()}
     for name, value in assignments:
         if name.startswith(PREFIX):
             _apply(scenario, settings, name.removeprefix(PREFIX), value)
+    return settings
+
+
+def configured(scenario: Scenario, assignments: Sequence[tuple[str, str]]) -> System:
+    """The system of `scenario` with all assignments applied: its own settings, then instance variables."""
+    settings = chosen(scenario, assignments)
     system = scenario.build(settings)
     for name, value in assignments:
         if not name.startswith(PREFIX):

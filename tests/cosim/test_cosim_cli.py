@@ -45,7 +45,11 @@ def cosim(tank, monkeypatch, tmp_path, capsys):
         stop_time=1.0,
         build=build,
         find=lambda model: tank,
-        metrics=lambda results: {"level_last": float(results["second.level"][-1]), "nothing": float("nan")},
+        metrics=lambda results: {
+            "level_last": float(results["second.level"][-1]),
+            "nothing": float("nan"),
+            "asked": results.settings["period"],
+        },
         settings={
             "source": Setting("good", ("good", "bad"), "which file"),
             "period": NumberSetting(0.02, 0.01, 0.5, "s", "period of the second tank"),
@@ -79,7 +83,7 @@ def test_a_run_writes_results_and_summary(cosim, tmp_path):
     for _ in range(100):
         levels.append(levels[-1] + 0.01 * (3.0 - levels[-1]))
     assert results["first.level"].tolist() == pytest.approx(levels, rel=1e-15)
-    assert summary["metrics"] == {"level_last": results["second.level"][-1], "nothing": None}
+    assert summary["metrics"] == {"level_last": results["second.level"][-1], "nothing": None, "asked": 0.02}
 
 
 def test_json_is_all_that_goes_to_stdout(cosim, tmp_path):
@@ -94,7 +98,8 @@ def test_quiet_says_nothing(cosim, tmp_path):
 
 def test_a_number_is_a_setting(cosim, tmp_path):
     _, out, _ = cosim("run", "tanks", "-o", str(tmp_path), "--set", "scenario.period=0.1", "--json")
-    assert json.loads(out)["instances"]["second"]["period"] == 0.1
+    summary = json.loads(out)
+    assert summary["instances"]["second"]["period"] == summary["metrics"]["asked"] == 0.1
 
 
 def test_settings_are_listed_with_choices_or_limits(cosim, monkeypatch):
