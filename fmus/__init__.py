@@ -3,6 +3,7 @@
 from fmukit.component import Component
 from fmus import double_track, estimator, vehicle16dof
 from fmus.controllers import high_level_lqr, low_level_pid, mpc_allocator, reference
+from fmus.planner import receding
 from fmus.sensors import gps, imu
 
 CATALOGUE: tuple[Component, ...] = (
@@ -15,4 +16,5 @@ CATALOGUE: tuple[Component, ...] = (
     low_level_pid.COMPONENT,
     double_track.COMPONENT,
     mpc_allocator.COMPONENT,
+    receding.COMPONENT,
 )

@@ -213,6 +213,11 @@ _REGIMES = {
         },
         _mpc,
     ),
+    "RecedingHorizonPlanner": Regime(
+        1.6,
+        {"reference.x": 25.0, "reference.speed": 18.0, "reference.acceleration": 1.0, "problem.count": 2.0},
+        parameters={"initial.lateral": 1.0, "initial.heading": 0.05},
+    ),
     "LowLevelPid": Regime(
         0.06,
         {"wheel_torque.fl": 20.0, "steer_torque.fl": 1.0, "suspension_force.rl": 20.0, "steer_demand": 0.01},
