@@ -17,6 +17,7 @@ from scipy import sparse
 from fmus.controllers.mpc_allocator import distribution
 from fmus.controllers.mpc_allocator.distribution import Limits, Weights
 from fmus.double_track.data import DoubleTrackCar
+from fmus.double_track.model import motion
 from fmus.planner import check
 from fmus.planner.errors import PlanningError
 from fmus.planner.gates import Array
@@ -41,9 +42,9 @@ _TOLERANCE = 1e-8
 
 @dataclass(frozen=True, slots=True)
 class Forces:
-    """Along a plan at n times [s]: `states` (7, n), `inputs` (3, n), `wanted` y* (3, n), wheel forces `U` (4, n) [N].
+    """Along a plan at n times [s]: `states` (7, n), `wanted` y* (3, n) [N, N, N.m], wheel forces `U` (4, n) [N].
 
-    `residual` (3, n) [N, N, N.m]: what the wheel forces give more than wanted.
+    `inputs` (3, n): steering rate and axle forces. `residual` (3, n) [N, N, N.m]: what the wheel forces give too much.
     """
 
     times: Array
@@ -75,16 +76,21 @@ def along(
 ) -> Forces:
     """Wheel forces along a plan of the single-track car `car.planar`; `available`: 1 sound motor, 0 lost, per wheel.
 
-    Each time is solved by itself, without a rate limit: planned inputs jump. Lateral forces are those without combined
-    slip. Raises PlanningError for a plan of a car with other inputs.
+    Each time is solved by itself, without a rate limit: planned inputs jump. With the friction ellipse lateral forces
+    are for the QP those left beside the planned forces, for the residual those left beside the forces found, and the
+    lateral force has no weight unless given: chased by the small part that drives have in it, it would lose grip.
+    Raises PlanningError for a plan of a car whose axle forces are not known.
     """
-    if plan.vehicle.name != "two_wheel_drive":
-        raise PlanningError(f"forces are known for plans of the two-wheel-driven car, not for {plan.vehicle.name}")
-    times, x, u = check.fine(plan.vehicle, plan.nodes, plan.substeps, finer)
-    y = _wanted(car.planar, plan.vehicle.f)(x, u).full()
-    data, lack = _problem(car, limits or Limits(), weights or Weights(), available)
-    U = _solved(*(part.full() for part in data(x, y)))
-    return Forces(times, x, u, y, U, lack(x, y, U).full())
+    vehicle = plan.vehicle
+    if vehicle.axle_forces is None:
+        raise PlanningError(f"the forces of the axles are not known of the car {vehicle.name}; plan with another")
+    times, x, u = check.fine(vehicle, plan.nodes, plan.substeps, finer)
+    axles, y = vehicle.axle_forces(u).full(), _wanted(car.planar, vehicle.f)(x, u).full()
+    limits = limits or Limits(friction=vehicle.friction or 1.0)
+    weights = weights or Weights(force_y=1.0 if vehicle.friction is None else 0.0)
+    data, lack = _problem(car, vehicle.friction, limits, weights, available)
+    U = _solved(*(part.full() for part in data(x, axles, y)))
+    return Forces(times, x, np.vstack([u[:1], axles]), y, U, lack(x, y, U).full())
 
 
 def write(forces: Forces, file: Path) -> None:
@@ -109,20 +115,27 @@ def _wanted(car: Car, f: ca.Function) -> ca.Function:
 
 
 def _problem(
-    car: DoubleTrackCar, limits: Limits, weights: Weights, available: tuple[float, ...]
+    car: DoubleTrackCar, friction: float | None, limits: Limits, weights: Weights, available: tuple[float, ...]
 ) -> tuple[ca.Function, ca.Function]:
-    """(x, y*) -> P_nz, q, l, u of the QP; (x, y*, U) -> residual of the forces U."""
-    x, y, U = ca.SX.sym("x", len(STATES)), ca.SX.sym("y", 3), ca.SX.sym("U", 4)
-    G = distribution.effectiveness(car, x[6])
-    c, F_z, F_t = distribution.without_drive(car, x, y[:2] / car.planar.m)
+    """(x, axle forces, y*) -> P_nz, q, l, u of the QP; (x, y*, U) -> residual of the forces U."""
+    x, axles, y, U = (ca.SX.sym(name, n) for name, n in (("x", len(STATES)), ("axles", 2), ("y", 3), ("U", 4)))
+    a, planned = y[:2] / car.planar.m, ca.vertcat(axles[0], axles[0], axles[1], axles[1]) / 2
+    G, (_, F_z, F_t) = distribution.effectiveness(car, x[6]), distribution.without_drive(car, x, a)
+    c = _given(car, friction, x, planned, a) - G @ planned
     low, high = distribution.bounds(limits, F_z, F_t, x[2], available=ca.DM(available))
     P_nz, q, _, least, most = distribution.problem(
         G, c, y, previous=ca.DM.zeros(4), low=low, high=high, weights=weights
     )
     return (
-        ca.Function("distribution", [x, y], [P_nz, q, least, most]),
-        ca.Function("residual", [x, y, U], [distribution.residual(G, c, y, U)]),
+        ca.Function("distribution", [x, axles, y], [P_nz, q, least, most]),
+        ca.Function("residual", [x, y, U], [_given(car, friction, x, U, a) - y]),
     )
+
+
+def _given(car: DoubleTrackCar, friction: float | None, x: ca.SX, U: ca.SX, a: ca.SX) -> ca.SX:
+    """y (3) of the double-track car under the wheel forces U."""
+    found = motion(car, x, ca.vertcat(0, U), a, friction)
+    return ca.vertcat(car.planar.m * found.acceleration, car.planar.I_zz * found.x_dot[5])
 
 
 def _solved(P_nz: Array, q: Array, low: Array, high: Array) -> Array:

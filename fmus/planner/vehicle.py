@@ -2,25 +2,34 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
 
+from fmus.design import DESIGN, DesignModel
 from fmus.planner.gates import Array
 from fmus.single_track import gear_shift, model
 from fmus.single_track.data import Car
+from fmus.single_track.design import design_car
+from fmus.single_track.forces import STATES
 
 _STATE_LIMITS = np.array([np.inf, np.inf, 60.0, 0.5, np.inf, np.inf, 0.6])
 _STATE_SCALE = np.array([10.0, 1.0, 10.0, 0.1, 0.1, 0.3, 0.1])
 _SLOWEST = 3.0
+GRIP = 0.8
+"""Part of the grip of Vehicle16Dof that plans use (engineering choice)."""
+MOST_SLIP = 0.12
+"""Slip angle [rad] to which the axles of Vehicle16Dof are fitted; engineering choice: beyond it plans would drift."""
 
 
 @dataclass(frozen=True, slots=True)
 class Vehicle:
     """`f` (x, u) -> x' over the states of the single-track car; bounds and scales of states and inputs.
 
-    `limits` (x, u) -> values that must not exceed 0; `idle` inputs to begin the search with.
+    `limits` (x, u) -> values that must not exceed 0; `idle` inputs to begin the search with. `axle_forces`: u -> forces
+    of the front and the rear axle [N], where the first input is the steering rate; `friction` of the friction ellipse.
     """
 
     name: str
@@ -33,6 +42,8 @@ class Vehicle:
     input_scale: Array
     idle: Array
     limits: ca.Function | None = None
+    axle_forces: ca.Function | None = None
+    friction: float | None = None
 
 
 def two_wheel_drive(
@@ -55,7 +66,55 @@ def two_wheel_drive(
         high,
         np.array([0.5, 5e3, 5e3]),
         np.array([0.0, 0.0, 0.5 * high[2]]),
+        axle_forces=_shared(3, lambda u: u[1:]),
+        friction=friction,
     )
+
+
+def four_wheel_drive(
+    car: Car, *, friction: float, steering_rate: float = 0.5, force: tuple[float, float] = (-9e3, 5e3)
+) -> Vehicle:
+    """Single-track car driven and braked by one force U [N] that the axles share as their loads; inputs omega_delta, U.
+
+    Every wheel then spends the same part |U|/(friction m g) of its grip on it. Neither axle slips by more than
+    `MOST_SLIP`. Bounds are engineering choices.
+    """
+    front, rear = (load / sum(car.static_loads) for load in car.static_loads)
+    axles = _shared(2, lambda u: ca.vertcat(front * u[1], rear * u[1]))
+    x, u = ca.SX.sym("x", len(STATES)), ca.SX.sym("u", 2)
+    x_dot = model.derivative(car, x, ca.vertcat(u[0], axles(u)), friction)
+    slips = ca.vertcat(*model.slips(car, x))
+    low, high = np.array([-steering_rate, force[0]]), np.array([steering_rate, force[1]])
+    return Vehicle(
+        "four_wheel_drive",
+        ca.Function("four_wheel_drive", [x, u], [ca.cse(x_dot)]),
+        _lowest(),
+        _STATE_LIMITS,
+        _STATE_SCALE,
+        low,
+        high,
+        np.array([0.5, 5e3]),
+        np.array([0.0, 0.5 * high[1]]),
+        ca.Function("limits", [x, u], [ca.vertcat(slips - MOST_SLIP, -slips - MOST_SLIP) / MOST_SLIP]),
+        axles,
+        friction,
+    )
+
+
+def vehicle16dof(grip: float = GRIP, design: DesignModel = DESIGN) -> Vehicle:
+    """The car to plan with for Vehicle16Dof: its single-track car with the part `grip` of its grip, on four wheels.
+
+    What is left of the grip is for the controller, for load transfer by braking and for tyres that lag behind. Default
+    bounds are within what LowLevelPid and MpcAllocator may ask of motors and brakes. With the default, HighLevelLqr and
+    LowLevelPid follow the double lane change within 0.04 m when it is entered at 10 to 25 m/s.
+    """
+    return four_wheel_drive(with_grip(design_car(design), grip), friction=grip)
+
+
+def with_grip(car: Car, grip: float) -> Car:
+    """The car on tyres with the part `grip` of their peaks; slip stiffnesses keep."""
+    front, rear = (replace(tyre, B=tyre.B / grip, D=tyre.D * grip) for tyre in (car.front, car.rear))
+    return replace(car, front=front, rear=rear)
 
 
 def gear_shift_car(car: Car) -> Vehicle:
@@ -79,3 +138,9 @@ def _lowest() -> Array:
     low = -_STATE_LIMITS
     low[2] = _SLOWEST
     return low
+
+
+def _shared(inputs: int, forces: Callable[[ca.SX], ca.SX]) -> ca.Function:
+    """u -> forces of the axles."""
+    u = ca.SX.sym("u", inputs)
+    return ca.Function("axle_forces", [u], [forces(u)])

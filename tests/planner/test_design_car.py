@@ -5,19 +5,25 @@ from __future__ import annotations
 import math
 
 import casadi as ca
+import numpy as np
 import pytest
 from scipy.optimize import fsolve
 
 from fmukit.direct import Direct
 from fmukit.interface import load_parameters
 from fmus import vehicle16dof
+from fmus.controllers import low_level_pid, mpc_allocator
 from fmus.design import DESIGN
+from fmus.planner import trajectory
 from fmus.planner.hocp import Settings, plan
+from fmus.planner.program import standing_ends
 from fmus.planner.road import double_lane_change
-from fmus.planner.vehicle import two_wheel_drive
+from fmus.planner.vehicle import MOST_SLIP, two_wheel_drive
+from fmus.planner.vehicle import vehicle16dof as vehicle16dof_plan
 from fmus.single_track.design import _PARAMETERS, design_car
 from fmus.single_track.forces import lateral
 from fmus.single_track.model import function
+from fmus.single_track.model import slips as slip_angles
 from fmus.vehicle16dof import magic
 from fmus.wheels import FRONT, WHEELS
 
@@ -94,3 +100,41 @@ def test_masses_and_loads() -> None:
 def test_it_can_be_planned() -> None:
     found = plan(two_wheel_drive(design_car()), double_lane_change(), 40, settings=Settings(compile=False))
     assert 6 < found.final_time < 9 and found.replay_error() < 0.01
+
+
+LIMITS = vehicle16dof_plan()
+
+
+def loads(a_x: float) -> tuple[float, float]:
+    """Axle loads [N] under a longitudinal acceleration."""
+    transfer = DESIGN.mass * a_x * DESIGN.cog_height / DESIGN.wheelbase
+    front, rear = design_car().static_loads
+    return front - transfer, rear + transfer
+
+
+@pytest.mark.parametrize("force", LIMITS.input_upper[1:].tolist() + LIMITS.input_lower[1:].tolist())
+def test_planned_forces_are_within_grip_motors_and_brakes(force: float) -> None:
+    """At the largest drive and brake force, wheel by wheel with the pitch of the car, against the plant's own tyre."""
+    k = {name.removeprefix("tyre."): value for name, value in PLANT.items() if name.startswith("tyre.")}
+    mpc = {v.name: float(v.start) for v in mpc_allocator.COMPONENT.interface.select("parameter")}
+    low_level = {v.name: float(v.start) for v in low_level_pid.COMPONENT.interface.select("parameter")}
+    axles = [float(part) for part in LIMITS.axle_forces([0.0, force]).full().ravel()]
+    assert sum(axles) == pytest.approx(force)
+    for axle, load in zip(axles, loads(force / DESIGN.mass), strict=True):
+        peak = max(magic.longitudinal(math, k, load / 2, 1.0, kappa / 1000) for kappa in range(20, 300))
+        assert abs(axle) / 2 < 0.9 * peak
+        assert abs(axle) / 2 <= mpc["limit.force"]
+        assert abs(axle) / 2 * DESIGN.wheel_radius <= 2e4
+    limit = "speed.drive_limit" if force > 0 else "speed.brake_limit"
+    assert abs(force) <= low_level[limit] * DESIGN.mass * DESIGN.gravity
+
+
+@pytest.mark.parametrize("speed", [10.0, 30.0])
+def test_plan_for_the_multibody_car_keeps_grip(speed: float) -> None:
+    """Slip stays where the axles are fitted, and acceleration keeps a fifth of the grip, which ends at 7.9 m/s2."""
+    found = plan(LIMITS, double_lane_change(), 80, standing_ends(speed), Settings(compile=False))
+    slips = np.array([[float(a) for a in slip_angles(design_car(), x)] for x in found.nodes.x.T])
+    across = trajectory.table(found)[:, 4] ** 2 * trajectory.table(found)[:, 6]
+    assert np.abs(slips).max() < MOST_SLIP + 0.01
+    assert 3.5 < np.abs(across).max() < 0.88 * 7.9
+    assert found.replay_error(restart=True) < 0.01

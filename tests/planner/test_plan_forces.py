@@ -95,5 +95,5 @@ def test_mistakes(drive: Plan, tmp_path: Path) -> None:
     with pytest.raises(PlanningError, match="cannot be written"):
         forces.write(forces.along(drive, CAR, finer=1), tmp_path / "none" / "forces.csv")
     shifting = plan(gear_shift_car(CAR.planar), double_lane_change(), 10, settings=Settings(compile=False))
-    with pytest.raises(PlanningError, match="not for gear_shift"):
+    with pytest.raises(PlanningError, match="not known of the car gear_shift"):
         forces.along(shifting, CAR)
