@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import tempfile
+from contextlib import suppress
 from dataclasses import dataclass
 from hashlib import blake2b
 from pathlib import Path
@@ -13,7 +15,7 @@ from typing import Any
 import casadi as ca
 
 from fmukit.build import compiler
-from fmukit.build.cache import cache_folder
+from fmukit.build.cache import cache_folder, check_writable, prune
 from fmukit.build.errors import BuildError
 from fmus.planner.program import Program
 
@@ -56,10 +58,19 @@ def _load(program: Program, options: dict[str, Any]) -> ca.Function:
 def _library(program: Program) -> Path:
     """The compiled derivatives of the program, from the cache or made now."""
     path = cache_folder() / f"plan-{_key(program)}" / "nlp.so"
-    if not path.is_file():
-        path.parent.mkdir(parents=True, exist_ok=True)
-        _make(program, path)
+    if path.is_file():
+        _used(path.parent)
+        return path
+    check_writable(path.parent)
+    _make(program, path)
+    prune(path.parent)
     return path
+
+
+def _used(folder: Path) -> None:
+    """Mark it as in use, so that it is not pruned; a folder that cannot be written is not pruned either."""
+    with suppress(OSError):
+        os.utime(folder)
 
 
 def _key(program: Program) -> str:

@@ -43,14 +43,7 @@ class Gates:
 
 def checked(gates: Gates) -> Gates:
     """The gates, if a car fits through each and none crosses the next within the road; else raises PlanningError."""
-    narrow = gates.high - gates.low
-    k = int(np.argmin(narrow))
-    if narrow[k] < 0:
-        x, y = gates.point(0.5 * (gates.low + gates.high))[k]
-        raise PlanningError(
-            f"the corridor is narrower than the car by {-narrow[k]:.2f} m near x = {x:.1f} m, y = {y:.1f} m, "
-            f"{_along(gates, k):.0f} m along the road; widen it or reduce the clearance"
-        )
+    check_widths(gates)
     steps, turn = gates.steps, np.sin(gates.steps[:, 2])
     for edge in (gates.low, gates.high):
         ahead = steps[:, 0] - turn * edge[1:]
@@ -62,6 +55,18 @@ def checked(gates: Gates) -> Gates:
                 f"{_along(gates, k):.0f} m along it; narrow it there, smooth the centre line or take fewer intervals"
             )
     return gates
+
+
+def check_widths(gates: Gates) -> None:
+    """Raise PlanningError naming the narrowest gate, if the car does not fit through it."""
+    width = gates.high - gates.low
+    k = int(np.argmin(width))
+    if width[k] < 0:
+        x, y = gates.point(0.5 * (gates.low + gates.high))[k]
+        raise PlanningError(
+            f"the corridor is narrower than the car by {-width[k]:.2f} m near x = {x:.1f} m, y = {y:.1f} m, "
+            f"{_along(gates, k):.0f} m along the road; widen it or reduce the clearance"
+        )
 
 
 def _along(gates: Gates, k: int) -> float:

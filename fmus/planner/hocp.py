@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from time import perf_counter
-from typing import Any, Literal, Protocol
+from typing import Literal, Protocol
 
-import numpy as np
-
-from fmus.planner import check, compiled, gate_grid, guess, time_grid
-from fmus.planner.errors import PlanningError
+from fmus.planner import check, gate_grid, guess, time_grid
+from fmus.planner.bends import check_bends
+from fmus.planner.diagnosis import check_ends, explained
+from fmus.planner.errors import PlanningError, SearchError
+from fmus.planner.frames import into_frames
 from fmus.planner.gates import Array, Gates
 from fmus.planner.program import Ends, Nodes, Program, standing_ends
 from fmus.planner.road import Corridor
+from fmus.planner.search import Found, ipopt_options, search
 from fmus.planner.vehicle import Vehicle
 
 Grid = Literal["gate", "time"]
+
+_REMEDY_ITERATIONS = 150
+"""A plan with freer ends is found within so many iterations, or is not worth waiting for (engineering choice)."""
 
 
 class Road(Protocol):
@@ -36,7 +40,7 @@ class Settings:
     substeps: int = 2
     smoothing: float = 1e-4
     compile: bool = True
-    max_iterations: int = 1000
+    max_iterations: int = 400
     tolerance: float = 1e-8
 
 
@@ -45,6 +49,7 @@ class Plan:
     """A time-optimal motion and how it was found.
 
     `violation` [m]: of the road, on a grid ten times finer than the nodes, where alone it is enforced.
+    `residual`: largest violation of a constraint at the nodes, in scaled units.
     `how`: compiled, or interpreted and why; `build_time`, `solve_time` [s].
     """
 
@@ -57,6 +62,7 @@ class Plan:
     solve_time: float
     how: str
     violation: float
+    residual: float
 
     @property
     def final_time(self) -> float:
@@ -85,12 +91,19 @@ def plan(
     if m < 2:
         raise PlanningError(f"a plan needs at least 2 intervals, not {m}")
     gates = road.gates(m)
-    _check_ends(vehicle, gates, ends)
-    program = _program(vehicle, road, gates, ends, settings)
-    first = guess.along_gates(vehicle, gates, ends) if start is None else guess.refined(start, m)
-    if settings.grid == "time":
-        first = guess.on_equal_times(first)
-    return _solve(program, road, first, settings, warm=start is not None)
+    check_ends(vehicle, gates, ends)
+    check_bends(vehicle, gates)
+
+    def attempt(other: Ends, limit: int) -> Found:
+        first = _guess(vehicle, gates, other, settings, start)
+        options = ipopt_options(limit, settings.tolerance, warm=start is not None)
+        return search(_program(vehicle, road, gates, other, settings), first, options, compile_=settings.compile)
+
+    try:
+        return _plan(vehicle, road, settings, attempt(ends, settings.max_iterations))
+    except SearchError as failure:
+        limit = min(settings.max_iterations, _REMEDY_ITERATIONS)
+        raise explained(failure, ends, gates, lambda other: _ends_of(attempt(other, limit).nodes, gates)) from None
 
 
 def refine(
@@ -103,6 +116,27 @@ def refine(
     return plans
 
 
+def _guess(vehicle: Vehicle, gates: Gates, ends: Ends, settings: Settings, start: Nodes | None) -> Nodes:
+    nodes = guess.along_gates(vehicle, gates, ends) if start is None else guess.refined(start, len(gates.frames) - 1)
+    return guess.on_equal_times(nodes) if settings.grid == "time" else nodes
+
+
+def _plan(vehicle: Vehicle, road: Road, settings: Settings, found: Found) -> Plan:
+    points = check.fine(vehicle, found.nodes, settings.substeps)[1][:2].T
+    return Plan(
+        vehicle=vehicle,
+        nodes=found.nodes,
+        substeps=settings.substeps,
+        status=found.status,
+        iterations=found.iterations,
+        build_time=found.build_time,
+        solve_time=found.solve_time,
+        how=found.how,
+        violation=road.violation(points),
+        residual=found.residual,
+    )
+
+
 def _program(vehicle: Vehicle, road: Road, gates: Gates, ends: Ends, settings: Settings) -> Program:
     if settings.grid == "gate":
         return gate_grid.program(vehicle, gates, ends, substeps=settings.substeps, smoothing=settings.smoothing)
@@ -112,65 +146,7 @@ def _program(vehicle: Vehicle, road: Road, gates: Gates, ends: Ends, settings: S
     return time_grid.program(vehicle, road, m, ends, substeps=settings.substeps, smoothing=settings.smoothing)
 
 
-def _solve(program: Program, road: Road, first: Nodes, settings: Settings, *, warm: bool) -> Plan:
-    solver = compiled.solver(program, _options(settings, warm=warm), compile_=settings.compile)
-    before = perf_counter()
-    found = solver.call(
-        x0=program.pack(first),
-        lbx=program.lower,
-        ubx=program.upper,
-        lbg=program.g_lower,
-        ubg=program.g_upper,
-        p=program.parameters,
-    )
-    seconds, stats = perf_counter() - before, solver.call.stats()
-    _check_status(stats)
-    nodes = program.unpack(found["x"].full().ravel())
-    points = check.fine(program.vehicle, nodes, settings.substeps)[1][:2].T
-    return Plan(
-        vehicle=program.vehicle,
-        nodes=nodes,
-        substeps=settings.substeps,
-        status=str(stats["return_status"]),
-        iterations=int(stats["iter_count"]),
-        build_time=solver.build_time,
-        solve_time=seconds,
-        how=solver.how,
-        violation=road.violation(points),
-    )
-
-
-def _options(settings: Settings, *, warm: bool) -> dict[str, Any]:
-    ipopt: dict[str, Any] = {
-        "max_iter": settings.max_iterations,
-        "tol": settings.tolerance,
-        "mu_strategy": "adaptive",
-        "print_level": 0,
-        "sb": "yes",
-    }
-    if warm:
-        ipopt |= {"warm_start_init_point": "yes", "mu_init": 1e-2}
-    return {"ipopt": ipopt, "print_time": False, "calc_lam_p": False, "error_on_fail": False}
-
-
-def _check_ends(vehicle: Vehicle, gates: Gates, ends: Ends) -> None:
-    """The prescribed parts of both ends must be within the limits of car and road."""
-    names = ("x", "lateral position", "speed", "sideslip", "heading", "yaw rate", "steering angle")
-    for end, k, text in ((ends.first, 0, "start"), (ends.last, -1, "end")):
-        low, high = vehicle.lower.copy(), vehicle.upper.copy()
-        low[1], high[1] = gates.low[k], gates.high[k]
-        for name, value, least, most in zip(names, end, low, high, strict=True):
-            if np.isinf(value) or not (np.isnan(value) or least <= value <= most):
-                raise PlanningError(f"the {name} at the {text} is {value:g}; it must be in [{least:g}, {most:g}]")
-
-
-def _check_status(stats: dict[str, Any]) -> None:
-    if stats["success"]:
-        return
-    status, count = stats["return_status"], stats["iter_count"]
-    if status in ("Infeasible_Problem_Detected", "Restoration_Failed"):
-        raise PlanningError(
-            f"no motion of this car follows this road (IPOPT: {status} after {count} iterations); "
-            "start slower, widen the road or allow more force"
-        )
-    raise PlanningError(f"the search ended without a plan (IPOPT: {status} after {count} iterations); use another mesh")
+def _ends_of(nodes: Nodes, gates: Gates) -> Ends:
+    """The first and the last state in the frames of their gates."""
+    x = into_frames(nodes.x[:, [0, -1]], gates.frames[[0, -1]])
+    return Ends(x[:, 0], x[:, 1])

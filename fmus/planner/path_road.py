@@ -11,7 +11,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial import cKDTree
 
 from fmus.planner.errors import PlanningError
-from fmus.planner.gates import Array, Gates, checked
+from fmus.planner.gates import Array, Gates, check_widths, checked
 
 COLUMNS = ("x", "y", "width_left", "width_right")
 _DENSE = 20
@@ -30,13 +30,18 @@ class PathRoad:
     closed: bool = False
 
     def gates(self, m: int) -> Gates:
-        """m + 1 gates at equal distances along the centre line."""
+        """m + 1 gates at equal distances along the centre line; between them the road is checked at its own points."""
+        curve, s, _ = self._curve()
+        check_widths(self._across(s))
+        return checked(self._across(_even(curve, s, m)))
+
+    def _across(self, at: Array) -> Gates:
+        """Gates at the distances `at` (n,) [m]."""
         curve, s, widths = self._curve()
-        grid = _even(curve, s, m)
-        tangent = curve(grid, 1)
+        tangent = curve(at, 1)
         heading = np.unwrap(np.arctan2(tangent[:, 1], tangent[:, 0]))
-        left, right = (np.interp(grid, s, widths[:, j]) - self.clearance for j in (0, 1))
-        return checked(Gates(np.column_stack([curve(grid), heading]), -right, left, self.closed))
+        left, right = (np.interp(at, s, widths[:, j]) - self.clearance for j in (0, 1))
+        return Gates(np.column_stack([curve(at), heading]), -right, left, self.closed)
 
     def violation(self, points: Array) -> float:
         """Largest distance [m] by which the points (n, 2) leave the road less its clearance; 0 inside."""

@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable
 from pathlib import Path
 
+from fmus.controllers.reference.interface import ROWS
 from fmus.planner import hocp
 from fmus.planner.errors import PlanningError
 from fmus.planner.hocp import Grid, Plan, Settings
@@ -27,6 +28,10 @@ def named(name: str, m: int, grid: Grid, speed: float) -> Plan:
     """The plan of the default car from `speed` [m/s] on the road `name`, a name of `ROADS` or a CSV file."""
     if math.isnan(speed):
         raise PlanningError("give a speed at the start, in m/s")
+    if m >= ROWS:
+        raise PlanningError(
+            f"a plan on {m} intervals has more rows than ReferenceTrajectory takes; the most is {ROWS - 1}"
+        )
     ends = standing_ends(speed)
     return hocp.plan(two_wheel_drive(car()), _road(name), m, ends, Settings(grid=grid))
 

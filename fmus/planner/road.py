@@ -9,9 +9,11 @@ import casadi as ca
 import numpy as np
 
 from fmus.planner.errors import PlanningError
-from fmus.planner.gates import Array, Gates, checked
+from fmus.planner.gates import Array, Gates, check_widths, checked
 
 Shape = Literal["smooth", "cubic"]
+_NEAR = 0.1
+"""Part of a transition between the places at which the width is checked."""
 _OFFSET = 3.5
 """Lateral distance of the lower edge in the middle of the manoeuvre [m]."""
 
@@ -52,10 +54,13 @@ class Corridor:
         return ca.Function("limits", [x], [low, high], ["x"], ["low", "high"])
 
     def gates(self, m: int) -> Gates:
-        """m + 1 gates at equal distances."""
-        x = np.linspace(self.start, self.end, m + 1)
+        """m + 1 gates at equal distances; between them the widths are checked too."""
+        check_widths(self._across(np.arange(self.start, self.end, _NEAR * self.transition)))
+        return checked(self._across(np.linspace(self.start, self.end, m + 1)))
+
+    def _across(self, x: Array) -> Gates:
         low, high = _evaluate(self.limits(), x)
-        return checked(Gates(np.column_stack([x, 0 * x, 0 * x]), low, high))
+        return Gates(np.column_stack([x, 0 * x, 0 * x]), low, high)
 
     def violation(self, points: Array) -> float:
         """Largest distance [m] by which the points (n, 2) leave the corridor; 0 inside."""

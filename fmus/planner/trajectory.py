@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fmus.controllers.reference.interface import COLUMNS
+from fmus.controllers.reference.interface import COLUMNS, ROWS
 from fmus.planner import check
 from fmus.planner.errors import PlanningError
 from fmus.planner.gates import Array
@@ -15,7 +15,11 @@ from fmus.planner.vehicle import Vehicle
 
 
 def table(plan: Plan, finer: int = check.FINER) -> Array:
-    """(n, 7): time, x, y, course, speed, acceleration along the path, curvature; course = yaw + sideslip."""
+    """(n, 7): time, x, y, course, speed, acceleration along the path, curvature; course = yaw + sideslip.
+
+    `finer` rows per interval, or as many as ReferenceTrajectory has room for.
+    """
+    finer = max(1, min(finer, (ROWS - 1) // len(plan.nodes.T)))
     return rows(plan.vehicle, *check.fine(plan.vehicle, plan.nodes, plan.substeps, finer))
 
 

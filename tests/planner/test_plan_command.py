@@ -44,7 +44,12 @@ def test_road_of_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
         (["none.csv"], "cannot be read"),
         (["double-lane-change", "--speed", "99"], "the speed at the start is 99"),
         (["double-lane-change", "--speed", "nan"], "give a speed"),
+        (["double-lane-change", "--speed", "2"], "the speed at the start is 2; it must be in [3, 60]"),
+        (["double-lane-change", "-m", "20", "--speed", "58"], "there is one that starts with a speed of"),
         (["double-lane-change", "-m", "0"], "at least 2 intervals"),
+        (["double-lane-change", "-m", "-5"], "at least 2 intervals"),
+        (["double-lane-change", "-m", "4000"], "the most is 3999"),
+        (["double-lane-change", "-m", "20", "-o", "/no/such/folder/plan.csv"], "cannot be written"),
     ],
 )
 def test_mistakes(
@@ -53,3 +58,38 @@ def test_mistakes(
     assert run(monkeypatch, *arguments) == 2
     error = capsys.readouterr().err
     assert sentence in error and len(error.splitlines()) == 1
+
+
+ROADS = {
+    "narrow": (
+        "0,0,3,3\n20,0,0.8,0.8\n40,0,3,3\n60,0,3,3\n",
+        "the corridor is narrower than the car by 0.08 m near x = 20",
+    ),
+    "sharp": ("0,0,1,1\n10,0,1,1\n11,0.5,1,1\n11,1.5,1,1\n10,2,1,1\n0,2,1,1\n", "the smallest of this car is 4.1 m"),
+    "folded": ("0,0,9,9\n10,0,9,9\n14,4,9,9\n10,8,9,9\n0,8,9,9\n", "the road turns too sharply for its width"),
+    "no number": ("0,0,3,3\n10,?,3,3\n20,0,3,3\n30,0,3,3\n", "line 3 of the road"),
+    "short": ("0,0,3,3\n10,0,3,3\n", "has 2 points"),
+    "negative": ("0,0,3,3\n10,0,-3,3\n20,0,3,3\n30,0,3,3\n", "negative width in row 2"),
+}
+
+
+@pytest.mark.parametrize("name", ROADS)
+def test_bad_roads(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rows, sentence = ROADS[name]
+    (tmp_path / "road.csv").write_text("x,y,width_left,width_right\n" + rows)
+    assert run(monkeypatch, str(tmp_path / "road.csv"), "-m", "40", "-o", str(tmp_path / "plan.csv")) == 2
+    error = capsys.readouterr().err
+    assert sentence in error.replace("\n", " ") and len(error.splitlines()) == 1
+    assert not (tmp_path / "plan.csv").exists(), "no plan, no file"
+
+
+def test_a_centre_line_has_no_time_grid(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rows = "".join(f"{10 * k},0,3,3\n" for k in range(18))
+    (tmp_path / "road.csv").write_text("x,y,width_left,width_right\n" + rows)
+    assert run(monkeypatch, str(tmp_path / "road.csv"), "-m", "20", "--grid", "time") == 2
+    error = capsys.readouterr().err
+    assert "use the gate grid for a centre line" in error and len(error.splitlines()) == 1

@@ -1,0 +1,79 @@
+"""One run of IPOPT on a program, with all that says how it went."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from fmus.planner import compiled
+from fmus.planner.errors import SearchError
+from fmus.planner.gates import Array
+from fmus.planner.program import Nodes, Program
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A solution and what it cost: `build_time`, `solve_time` [s], `how` the derivatives were evaluated.
+
+    `residual`: largest violation of a constraint of the program, in scaled units.
+    """
+
+    nodes: Nodes
+    status: str
+    iterations: int
+    build_time: float
+    solve_time: float
+    how: str
+    residual: float
+
+
+def search(program: Program, first: Nodes, options: dict[str, Any], *, compile_: bool) -> Found:
+    """The solution that IPOPT finds from `first`; raises SearchError when it finds none."""
+    solver = compiled.solver(program, options, compile_=compile_)
+    before = perf_counter()
+    found = solver.call(
+        x0=program.pack(first),
+        lbx=program.lower,
+        ubx=program.upper,
+        lbg=program.g_lower,
+        ubg=program.g_upper,
+        p=program.parameters,
+    )
+    seconds, stats = perf_counter() - before, solver.call.stats()
+    status, iterations = str(stats["return_status"]), int(stats["iter_count"])
+    g = found["g"].full().ravel()
+    violation = np.maximum(program.g_lower - g, g - program.g_upper)
+    if not stats["success"]:
+        raise SearchError(status, iterations, _worst_interval(program, violation))
+    return Found(
+        nodes=program.unpack(found["x"].full().ravel()),
+        status=status,
+        iterations=iterations,
+        build_time=solver.build_time,
+        solve_time=seconds,
+        how=solver.how,
+        residual=float(max(0.0, violation.max())),
+    )
+
+
+def ipopt_options(max_iterations: int, tolerance: float, *, warm: bool) -> dict[str, Any]:
+    """Options of CasADi's IPOPT; `warm`: the start is a plan already."""
+    ipopt: dict[str, Any] = {
+        "max_iter": max_iterations,
+        "tol": tolerance,
+        "mu_strategy": "adaptive",
+        "print_level": 0,
+        "sb": "yes",
+    }
+    if warm:
+        ipopt |= {"warm_start_init_point": "yes", "mu_init": 1e-2}
+    return {"ipopt": ipopt, "print_time": False, "calc_lam_p": False, "error_on_fail": False}
+
+
+def _worst_interval(program: Program, violation: Array) -> int:
+    """Where the motion breaks most: the gaps come first among the constraints, interval by interval."""
+    n, m = len(program.vehicle.scale), len(program.origin) - 1
+    return int(np.argmax(np.abs(np.nan_to_num(violation[: n * m], nan=np.inf)).reshape(m, n).max(axis=1)))
