@@ -19,6 +19,11 @@ from cosim.clock import to_seconds
 from cosim.run import Plan
 from cosim.scenario import Scenario
 
+_UNITS = {
+    **dict.fromkeys(("lateral_", "longitudinal_", "position_", "corridor_"), "m"),
+    **{"speed_": "m/s", "saturation_": "s", "final_time": "s", "residual_force": "N", "residual_moment": "N.m"},
+}
+"""Units of metrics by how their names begin."""
 _REFRESH = 0.1  # [s] of wall time between two updates of the progress bar
 
 
@@ -120,5 +125,5 @@ def _readable(name: str, value: float | None) -> tuple[str, str]:
         return "-", ""
     if name.startswith(("course_", "roll_", "pitch_", "sideslip_", "yaw_")):
         return f"{math.degrees(value):.3f}", "deg"
-    units = {"lateral": "m", "longitudinal": "m", "position": "m", "speed": "m/s", "saturation": "s"}
-    return f"{value:.4f}", units.get(name.partition("_")[0], "")
+    unit = next((unit for start, unit in _UNITS.items() if name.startswith(start)), "")
+    return f"{value:.4f}", unit

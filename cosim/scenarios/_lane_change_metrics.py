@@ -7,7 +7,7 @@ import numpy as np
 from cosim.results import Results
 from cosim.scenarios._lane_change import corridor
 from cosim.scenarios._mpc_metrics import at_samples, mpc_metrics
-from cosim.scenarios._tracking_metrics import peak
+from cosim.scenarios._tracking_metrics import estimate_errors, longest_saturation, peak, rms
 
 _AVAILABLE = "mpc.motor_available."
 
@@ -15,6 +15,18 @@ _AVAILABLE = "mpc.motor_available."
 def lane_change_metrics(results: Results) -> dict[str, float]:
     """Metrics of a drive; times [s] and distances [m]."""
     return {"final_time": final_time(results), "corridor_violation_max": violation(results), **mpc_metrics(results)}
+
+
+def multibody_metrics(results: Results) -> dict[str, float]:
+    """The same, and what a planar car has not: attitude of the body, estimate, actuators of the low level."""
+    error = estimate_errors(results)
+    return lane_change_metrics(results) | {
+        "roll_max": peak(results["plant.roll"]),
+        "pitch_max": peak(results["plant.pitch"]),
+        "position_estimate_rms": rms(np.hypot(error.x, error.y)),
+        "yaw_estimate_rms": rms(error.yaw),
+        "saturation_longest": longest_saturation(results),
+    }
 
 
 def motor_failure_metrics(results: Results) -> dict[str, float]:

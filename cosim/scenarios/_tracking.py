@@ -6,24 +6,12 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from cosim.face import Value
-from cosim.scenario import Scenario, Setting, Settings
+from cosim.scenario import Scenario, Settings
 from cosim.scenarios._catalogue import fmu_path
+from cosim.scenarios._sensors import SETTINGS, TRUE_RATES, add_sensors, feed_back
 from cosim.scenarios._start import start_on_reference
 from cosim.scenarios._tracking_metrics import tracking_metrics
 from cosim.system import System
-
-SETTINGS = {
-    "feedback": Setting("filter", ("filter", "truth"), "what the controllers see: the filter's estimate or the truth"),
-    "gps_profile": Setting("rtk", ("rtk", "dgps", "standalone"), "kind of satellite receiver"),
-    "imu_profile": Setting("automotive", ("automotive", "tactical"), "grade of the inertial unit"),
-}
-# Body rates stand in for the rates of yaw, roll and pitch, which `estimate.*_rate` are: with roll and pitch of a few
-# degrees they differ by terms like yaw' sin(pitch), below 0.02 rad/s here.
-_TRUE_RATES = {
-    "estimate.yaw_rate": "angular_rate.z",
-    "estimate.roll_rate": "angular_rate.x",
-    "estimate.pitch_rate": "angular_rate.y",
-}
 
 
 def tracking(name: str, title: str, figures: str, stop_time: float, reference: Mapping[str, Value]) -> Scenario:
@@ -43,23 +31,19 @@ def tracking(name: str, title: str, figures: str, stop_time: float, reference: M
 
 
 def tracking_system(settings: Settings, reference: Mapping[str, Value]) -> System:
-    """The closed loop. With feedback=truth the sensors and the filter run along, but nobody listens."""
-    from fmus.estimator.profiles import profile as filter_profile  # noqa: PLC0415  (lazy: `cosim list`)
-    from fmus.sensors.gps.profiles import profile as gps_profile  # noqa: PLC0415
-    from fmus.sensors.imu.profiles import profile as imu_profile  # noqa: PLC0415
-
-    gps, imu = settings["gps_profile"], settings["imu_profile"]
+    """The closed loop."""
     system = System()
     system.add("plant", "Vehicle16Dof")
-    system.add("imu", "Imu", imu_profile(imu))
-    system.add("gps", "GpsReceiver", gps_profile(gps))
-    system.add("filter", "NavigationFilter", filter_profile(gps, imu))
+    add_sensors(system, settings)
     system.add("reference", "ReferenceTrajectory", reference)
     system.add("hlc", "HighLevelLqr")
     system.add("llc", "LowLevelPid")
-    _wire_sensors(system)
-    _wire_controllers(system)
-    _wire_feedback(system, settings["feedback"])
+    system.connect("reference", "hlc")
+    system.connect("hlc", "llc")
+    system.connect("plant", "llc")
+    system.connect("llc", "plant")
+    feed_back(system, settings, "hlc", {})
+    feed_back(system, settings, "llc", TRUE_RATES)
     return system
 
 
@@ -77,30 +61,6 @@ def tell_the_actuator(system: System) -> None:
     for name in ACTUATOR:
         if name in given:
             assumed.setdefault(f"actuator.{name}", given[name])
-
-
-def _wire_sensors(system: System) -> None:
-    system.connect("plant", "imu", {"truth.": ""})
-    system.connect("plant", "gps", {"truth.": ""})
-    system.connect("imu", "filter")
-    system.connect("gps", "filter")
-    system.connect("plant", "filter")
-
-
-def _wire_controllers(system: System) -> None:
-    system.connect("reference", "hlc")
-    system.connect("hlc", "llc")
-    system.connect("plant", "llc")
-    system.connect("llc", "plant")
-
-
-def _wire_feedback(system: System, feedback: str) -> None:
-    if feedback == "filter":
-        system.connect("filter", "hlc")
-        system.connect("filter", "llc")
-    else:
-        system.connect("plant", "hlc", {"estimate.": ""})
-        system.connect("plant", "llc", {"estimate.": "", **_TRUE_RATES})
 
 
 def _draw(results, file: Path, title: str) -> None:  # type: ignore[no-untyped-def]

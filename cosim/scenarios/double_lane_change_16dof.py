@@ -1,0 +1,64 @@
+"""The time-optimal double lane change of the multibody car, planned for that car."""
+
+from cosim.scenario import Scenario, Settings
+from cosim.scenarios import _lane_change
+from cosim.scenarios._catalogue import fmu_path
+from cosim.scenarios._lane_change_metrics import multibody_metrics
+from cosim.scenarios._sensors import SETTINGS, TRUE_RATES, TRUE_YAW_RATE, add_sensors, feed_back
+from cosim.system import System
+
+_LAG = 0.02
+"""Time constant [s] the controller assumes of the steering: the demand's filter and the servos behind it."""
+
+
+def _build(settings: Settings) -> System:
+    from fmus.double_track.design import from_design  # noqa: PLC0415  (lazy: `cosim list`)
+    from fmus.single_track.design import design_car  # noqa: PLC0415
+
+    system = System()
+    system.add("plant", "Vehicle16Dof", {"body_force.y": settings["side_force"]})
+    add_sensors(system, settings)
+    system.add(
+        "reference", "ReferenceTrajectory", {"trajectory_file": str(_lane_change.lane_change_plan(design_car()))}
+    )
+    system.add("mpc", "MpcAllocator", {f"design.{name}": value for name, value in from_design().items()})
+    system.add("llc", "LowLevelPid", {"speed.fed_through": True, "yaw.fed_through": True})
+    system.connect("reference", "mpc")
+    system.connect(
+        "mpc", "llc", {"command.wheel_torque.": "wheel_torque.", "command.steer_angle": "command.steer_angle"}
+    )
+    system.connect("plant", "llc")
+    system.connect("llc", "plant")
+    feed_back(system, settings, "mpc", TRUE_YAW_RATE)
+    feed_back(system, settings, "llc", TRUE_RATES)
+    return system
+
+
+def _complete(system: System, settings: Settings) -> None:
+    _lane_change.start_beside_plan(system, settings)
+    _tell_the_actuator(system)
+
+
+def _tell_the_actuator(system: System) -> None:
+    """What mpc assumes of the steering are the limits of llc, unless it was told otherwise."""
+    from fmus.controllers.low_level_pid.interface import INTERFACE  # noqa: PLC0415
+
+    starts = {variable.name: variable.start for variable in INTERFACE.select("parameter")}
+    assumed, given = system.instances["mpc"].parameters, system.instances["llc"].parameters
+    for ours, theirs in (("steer_rate", "steering.rate_limit"), ("steer_limit", "steering.angle_limit")):
+        assumed.setdefault(f"actuator.{ours}", given.get(theirs, starts[theirs]))
+    assumed.setdefault("actuator.steer_lag", _LAG)
+
+
+SCENARIO = Scenario(
+    name="double-lane-change-16dof",
+    title="Time-optimal double lane change of the multibody car, planned for it, steering servos and active suspension",
+    figures="Figs. 3.10 to 3.14 on the car of chapter 2",
+    stop_time=8.0,
+    build=_build,
+    complete=_complete,
+    find=fmu_path,
+    metrics=multibody_metrics,
+    draw=_lane_change.draw,
+    settings={**SETTINGS, **_lane_change.perturbations()},
+)
