@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -11,7 +12,17 @@ import typer
 from cosim.errors import CosimError
 
 if TYPE_CHECKING:
+    from fmus.double_track.data import DoubleTrackCar
     from fmus.planner.hocp import Plan
+
+
+class Wheel(StrEnum):
+    """What a user may name; a list of choices has to be an enumeration."""
+
+    fl = "fl"
+    fr = "fr"
+    rl = "rl"
+    rr = "rr"
 
 
 def plan_command(
@@ -22,25 +33,38 @@ def plan_command(
         Literal["gate", "time"], typer.Option(help="gate: nodes on gates across the road; time: equal intervals.")
     ] = "gate",
     speed: Annotated[float, typer.Option(metavar="V", help="Speed at the start [m/s].")] = 10.0,
+    car: Annotated[
+        Literal["doubletrack", "vehicle16dof"], typer.Option(help="The plant the plan is for, with its start values.")
+    ] = "doubletrack",
     file: Annotated[Path | None, typer.Option("-o", "--output", help="The file; NAME-plan.csv if left out.")] = None,
+    forces: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Also write states, inputs and wheel forces to this file.")
+    ] = None,
+    lost_motor: Annotated[list[Wheel] | None, typer.Option(help="A motor lost in --forces; repeatable.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the figures as JSON and nothing else.")] = False,
 ) -> None:
     """Plan the time-optimal motion along a road; ReferenceTrajectory plays the file."""
     from fmus.planner import plans, trajectory  # noqa: PLC0415  (lazy: `--help` answers at once)
+    from fmus.planner.cars import CARS  # noqa: PLC0415
     from fmus.planner.errors import PlanningError  # noqa: PLC0415
 
-    target = file if file is not None else Path(f"{Path(name).stem}-plan.csv")
+    if lost_motor and forces is None:
+        raise CosimError("--lost-motor changes the wheel forces only; name their file with --forces")
+    target, planned = file if file is not None else Path(f"{Path(name).stem}-plan.csv"), CARS[car]()
     try:
-        found = plans.named(name, m, grid, speed)
+        found = plans.named(name, m, grid, speed, planned.vehicle)
         trajectory.write(found, target)
+        figures = _figures(found, target)
+        if forces is not None:
+            figures |= _written_forces(found, planned.whole, lost_motor or [], forces)
     except PlanningError as error:
         raise CosimError(str(error)) from error
-    figures = _figures(found, target)
     if as_json:
         print(json.dumps(figures, indent=2))
         return
+    width = max(map(len, figures))
     for key, value in figures.items():
-        print(f"{key:<20} {value:.6g}" if isinstance(value, float) else f"{key:<20} {value}")
+        print(f"{key:<{width}} {value:.6g}" if isinstance(value, float) else f"{key:<{width}} {value}")
 
 
 def _figures(plan: Plan, target: Path) -> dict[str, Any]:
@@ -56,3 +80,17 @@ def _figures(plan: Plan, target: Path) -> dict[str, Any]:
         "derivatives": plan.how,
         "file": str(target),
     }
+
+
+def _written_forces(plan: Plan, car: DoubleTrackCar, lost: list[Wheel], target: Path) -> dict[str, Any]:
+    """Write the forces; what the wheel forces miss of the planned forces [N] and the planned moment [N.m]."""
+    from fmus.planner import forces  # noqa: PLC0415
+    from fmus.wheels import WHEELS  # noqa: PLC0415
+
+    found = forces.along(plan, car, available=[0.0 if wheel in lost else 1.0 for wheel in WHEELS])
+    forces.write(found, target)
+    figures: dict[str, Any] = {}
+    names = ("force_x", "force_y", "moment_z")
+    for name, rms, largest in zip(names, found.rms.tolist(), found.largest.tolist(), strict=True):
+        figures |= {f"residual_{name}_rms": rms, f"residual_{name}_max": largest}
+    return {**figures, "forces_file": str(target)}

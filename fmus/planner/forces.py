@@ -6,6 +6,7 @@ loads of the planned accelerations, realises it as well as the limits of its whe
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -71,7 +72,7 @@ def along(
     *,
     limits: Limits | None = None,
     weights: Weights | None = None,
-    available: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0),
+    available: Sequence[float] = (1.0, 1.0, 1.0, 1.0),
     finer: int = check.FINER,
 ) -> Forces:
     """Wheel forces along a plan of the single-track car `car.planar`; `available`: 1 sound motor, 0 lost, per wheel.
@@ -115,14 +116,14 @@ def _wanted(car: Car, f: ca.Function) -> ca.Function:
 
 
 def _problem(
-    car: DoubleTrackCar, friction: float | None, limits: Limits, weights: Weights, available: tuple[float, ...]
+    car: DoubleTrackCar, friction: float | None, limits: Limits, weights: Weights, available: Sequence[float]
 ) -> tuple[ca.Function, ca.Function]:
     """(x, axle forces, y*) -> P_nz, q, l, u of the QP; (x, y*, U) -> residual of the forces U."""
     x, axles, y, U = (ca.SX.sym(name, n) for name, n in (("x", len(STATES)), ("axles", 2), ("y", 3), ("U", 4)))
     a, planned = y[:2] / car.planar.m, ca.vertcat(axles[0], axles[0], axles[1], axles[1]) / 2
     G, (_, F_z, F_t) = distribution.effectiveness(car, x[6]), distribution.without_drive(car, x, a)
     c = _given(car, friction, x, planned, a) - G @ planned
-    low, high = distribution.bounds(limits, F_z, F_t, x[2], available=ca.DM(available))
+    low, high = distribution.bounds(limits, F_z, F_t, x[2], available=ca.DM(list(available)))
     P_nz, q, _, least, most = distribution.problem(
         G, c, y, previous=ca.DM.zeros(4), low=low, high=high, weights=weights
     )

@@ -14,7 +14,7 @@ from fmus.planner.hocp import Grid, Plan, Settings
 from fmus.planner.path_road import read_road
 from fmus.planner.program import standing_ends
 from fmus.planner.road import Corridor, double_lane_change
-from fmus.planner.vehicle import two_wheel_drive
+from fmus.planner.vehicle import Vehicle, two_wheel_drive
 from fmus.single_track.data import car
 
 ROADS: dict[str, Callable[[], Corridor]] = {
@@ -24,8 +24,8 @@ ROADS: dict[str, Callable[[], Corridor]] = {
 """The roads known by name; `test-drive` is the published one with its sharp edges."""
 
 
-def named(name: str, m: int, grid: Grid, speed: float) -> Plan:
-    """The plan of the default car from `speed` [m/s] on the road `name`, a name of `ROADS` or a CSV file."""
+def named(name: str, m: int, grid: Grid, speed: float, vehicle: Vehicle | None = None) -> Plan:
+    """The plan from `speed` [m/s] on the road `name`, one of `ROADS` or a CSV file; `vehicle` or the default car."""
     if math.isnan(speed):
         raise PlanningError("give a speed at the start, in m/s")
     if m >= ROWS:
@@ -33,7 +33,7 @@ def named(name: str, m: int, grid: Grid, speed: float) -> Plan:
             f"a plan on {m} intervals has more rows than ReferenceTrajectory takes; the most is {ROWS - 1}"
         )
     ends = standing_ends(speed)
-    return hocp.plan(two_wheel_drive(car()), _road(name), m, ends, Settings(grid=grid))
+    return hocp.plan(vehicle or two_wheel_drive(car()), _road(name), m, ends, Settings(grid=grid))
 
 
 def _road(name: str) -> hocp.Road:

@@ -54,7 +54,10 @@ def two_wheel_drive(
     front: tuple[float, float] = (-1e4, 0.0),
     rear: tuple[float, float] = (-5e3, 5e3),
 ) -> Vehicle:
-    """Single-track car with brake forces in front, drive and brake behind [N]; bounds are engineering choices."""
+    """Single-track car with brake forces in front, drive and brake behind [N]; bounds are engineering choices.
+
+    For Vehicle16Dof rather plan with `vehicle16dof`.
+    """
     low, high = np.array([-steering_rate, front[0], rear[0]]), np.array([steering_rate, front[1], rear[1]])
     return Vehicle(
         "two_wheel_drive",
