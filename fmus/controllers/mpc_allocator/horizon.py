@@ -5,31 +5,22 @@ from __future__ import annotations
 import casadi as ca
 
 from fmukit.kernel import symbols
-from fmus.controllers.bus import PREVIEW, PREVIEW_PERIOD, SAMPLE
+from fmus.controllers.bus import SAMPLE
 from fmus.controllers.mpc_allocator import inversion
 from fmus.controllers.mpc_allocator.design_car import design_car
 from fmus.controllers.mpc_allocator.interface import INTERFACE
-from fmus.controllers.reference.playback import lookup
 
 NODES, PERIOD = 25, 0.02
 NODE = (*SAMPLE, "beta", "omega_z", "delta")
 """A node of the reference: the sample of the path, then sideslip, yaw rate and steering angle of the car on it."""
 _KEEP = 0.1  # s: longest step of the zero dynamics
-_INPUTS = INTERFACE.names("input")
 
 
-def samples(u: ca.MX, age: ca.MX, Ts: ca.MX) -> tuple[ca.MX, ca.MX]:
-    """The bus `age` [s] after its first sample: at all half nodes (6 x 2 NODES + 1), and at Ts/2 and Ts (6 x 2)."""
-    rows = PREVIEW + 1
-    names = [[f"reference.{name}", *(f"preview[{k}].{name}" for k in range(1, rows))] for name in SAMPLE]
-    columns = [u[[_INPUTS.index(name) for name in column]] for column in names]
-    table = ca.vertcat(ca.DM([PREVIEW_PERIOD * k for k in range(rows)]), *columns)
+def times(Ts: ca.MX) -> ca.MX:
+    """Times ahead [s] of all half nodes (2 NODES + 1), then Ts/2 and Ts, at which the next sample begins."""
     grid = ca.DM([0.5 * PERIOD * k for k in range(2 * NODES + 1)])
     step = ca.fmin(Ts, _KEEP)
-    times = age + ca.vertcat(grid, 0.5 * step, step)
-    ends = ca.DM([0.0, PREVIEW_PERIOD * PREVIEW])
-    found = lookup(2 * NODES + 3, rows)(table, ends, times)
-    return found[:, : 2 * NODES + 1], found[:, 2 * NODES + 1 :]
+    return ca.vertcat(grid, 0.5 * step, step)
 
 
 def reference(p: ca.MX, z: ca.MX, path: ca.MX) -> ca.MX:

@@ -86,6 +86,7 @@ _OUTPUTS: list[Variable] = [
     output("fallback.active", "1", "1 while an earlier plan is followed or the car brakes, else 0"),
     output("fallback.count", "1", "samples so far in which an earlier plan was followed or the car braked"),
     output("trajectory.age", "s", "time since the reference last moved"),
+    output("trajectory.delay", "s", "time by which the reference waits for the car, see trajectory.gap"),
 ]
 
 INTERFACE = sampled(

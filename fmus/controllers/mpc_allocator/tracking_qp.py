@@ -23,9 +23,9 @@ import casadi as ca
 from fmus.controllers.mpc_allocator.horizon import NODES
 from fmus.controllers.mpc_allocator.linearise import N_U, N_X
 
-UNIT_E = ca.DM([1.0, 0.3, 1.0, 0.1, 0.1, 0.3, 0.1])
-UNIT_W = ca.DM([0.1, 2e3, 2e3])
-UNIT_S = 0.1
+UNIT_E = ca.DM([1.0, 0.15, 1.0, 0.04, 0.04, 0.3, 0.1])
+UNIT_W = ca.DM([0.05, 1.5e3, 1.5e3])
+UNIT_S = 0.3
 """Sizes of errors, inputs and excess that are 1 in the program."""
 _BLOCK = N_U + N_X + 1
 SIZE, ROWS = NODES * _BLOCK, NODES * (N_X + N_U + 1) + (NODES - 1) * N_U

@@ -1,0 +1,46 @@
+"""What MpcAllocator keeps from sample to sample."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from fmukit.kernel import Layout
+from fmus.controllers.bus import SAMPLE
+from fmus.controllers.mpc_allocator import memory, plan, tracking_qp
+from fmus.controllers.mpc_allocator.horizon import NODES
+from fmus.controllers.mpc_allocator.linearise import N_U, N_X
+
+STATES = Layout(
+    started=1,  # 0 before the first sample with usable inputs
+    bus=len(SAMPLE),  # sample of the bus when it moved last
+    age=1,  # s since then
+    past=memory.ROW * memory.PAST,
+    delay=1,  # s by which the car is behind the reference's times
+    pace=1,  # at which the reference is gone through
+    gap=1,  # error along the path [m] at the sample before
+    path_speed=1,  # speed of the reference then, in its own times [m/s]
+    zero_dynamics=2,  # sideslip and yaw rate of the car on the reference
+    car=N_X,  # estimated state of the car at the sample before
+    known=1,  # 1 when that is of the sample just before
+    forces=4,  # of the wheels since then [N]
+    command=1,  # steering angle asked for since then [rad]
+    acceleration=2,  # of the body then, behind the wheel loads [m/s2]
+    disturbance=N_X - 1,
+    beside=N_U,  # inputs applied then less those of the reference
+    motors=4,  # motors available then
+    plan=N_U * NODES,  # inputs planned
+    alone=1,  # s since a plan was found
+    fallbacks=1,
+    solution=tracking_qp.SIZE,
+    multipliers=tracking_qp.ROWS,
+    penalty=1,
+    wheel_multipliers=4,
+    wheel_penalty=1,
+)
+
+
+def start() -> ca.MX:
+    """The states before the first sample: no plan to follow, all motors working."""
+    parts = {name: ca.MX.zeros(size) for name, size in STATES.sizes.items()}
+    parts |= {"alone": ca.MX(plan.LENGTH), "motors": ca.MX.ones(4), "pace": ca.MX(1)}
+    return STATES.join(parts)
