@@ -20,7 +20,8 @@ def _benchmarks(*arguments: str) -> subprocess.CompletedProcess[str]:
 def test_one_round_fills_the_table() -> None:
     done = _benchmarks("--rounds", "1")
     assert done.returncode == 0, done.stderr
-    for figure in ("set + 1 ms step + get", "one RK4 step with tyres", "recorder on", "share of the master"):
+    plans = ("plan, gate grid, m = 160", "plan, time grid, m = 80", "plain CasADi", "IPOPT of fatrop")
+    for figure in ("set + 1 ms step + get", "one RK4 step with tyres", "recorder on", "share of the master", *plans):
         (line,) = [line for line in done.stdout.splitlines() if figure in line]
         found = re.search(r"│\s*([0-9.]+)\s*%?\s*│", line)
         assert found, line
