@@ -18,9 +18,13 @@ class QpSolver:
     """`function` for models; `sources` (texts by file name) and `units` (those to compile) for the build.
 
     function: (P, q, A, l, u, x0, y0, rho, timed) -> (x, y, rho, status, iterations, primal, dual, time)
+    P, A: patterns of the matrices, P the upper triangle
     """
 
     name: str
+    P: ca.Sparsity = field(repr=False)
+    A: ca.Sparsity = field(repr=False)
+    settings: QpSettings
     function: ca.Function
     sources: Mapping[str, str] = field(repr=False)
     units: tuple[str, ...]
@@ -33,13 +37,14 @@ def qp_solver(name: str, P: ca.Sparsity, A: ca.Sparsity, settings: QpSettings | 
     Raises ValueError for patterns that do not fit, `fmukit.build.errors.BuildError` without a compiler.
     """
     _check(name, P, A)
+    settings = settings or QpSettings()
     from fmukit.qp import codegen, library  # noqa: PLC0415 (import osqp)
 
     symbol = f"qp_{name}"
-    texts = codegen.sources(symbol, P, A, settings or QpSettings())
+    texts = codegen.sources(symbol, P, A, settings)
     units = (codegen.COMMON, f"{symbol}.c")
     path = library.compiled(symbol, texts, units)
-    return QpSolver(name, ca.external(symbol, str(path)), texts, units)
+    return QpSolver(name, P, A, settings, ca.external(symbol, str(path)), texts, units)
 
 
 def _check(name: str, P: ca.Sparsity, A: ca.Sparsity) -> None:
