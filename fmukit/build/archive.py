@@ -9,9 +9,10 @@ import tempfile
 import zipfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from importlib.metadata import distribution
 from pathlib import Path, PurePosixPath
 
-from pythonfmu.builder import FmuBuilder
+from pythonfmu import builder
 
 _STAMP = (1980, 1, 1, 0, 0, 0)
 _MODE = 0o100644 << 16
@@ -19,6 +20,8 @@ _MODE = 0o100644 << 16
 
 def python_fmu(script: str, text: str, package: str, files: Mapping[str, bytes]) -> dict[str, bytes]:
     """Members of the FMU PythonFMU builds from the script and the one package it imports."""
+    # An FMU loaded into this process before has brought its own copy of PythonFMU, without libraries, perhaps gone.
+    builder.HERE = Path(str(distribution("pythonfmu").locate_file("pythonfmu")))
     with tempfile.TemporaryDirectory(prefix="fmukit-") as name, _clean_imports(package, script):
         folder = Path(name)
         for member, data in files.items():
@@ -26,7 +29,7 @@ def python_fmu(script: str, text: str, package: str, files: Mapping[str, bytes])
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(data)
         (folder / f"{script}.py").write_text(text, "utf-8")
-        made = FmuBuilder.build_FMU(folder / f"{script}.py", dest=folder, project_files=[folder / package])
+        made = builder.FmuBuilder.build_FMU(folder / f"{script}.py", dest=folder, project_files=[folder / package])
         with zipfile.ZipFile(made) as archive:
             return {item.filename.replace("\\", "/"): archive.read(item) for item in archive.infolist()}
 
