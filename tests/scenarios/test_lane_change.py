@@ -1,0 +1,187 @@
+"""The double lane change: recovery from a start beside the plan, a constant disturbance, a lost motor, the real car."""
+
+from __future__ import annotations
+
+import hashlib
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import Run
+
+from cosim.recorder import PARQUET
+from cosim.results import Results
+from cosim.run import Request, run
+from cosim.scenario import configured
+from cosim.scenarios import load
+from cosim.scenarios._lane_change import corridor
+from cosim.scenarios._lane_change_metrics import final_time, violation
+from cosim.ssp import export
+from fmus.wheels import WHEELS
+
+UNDISTURBED = "scenario.lateral_offset=0"
+
+
+def limits(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Where the centre of gravity may be, the dimensions of the gates written out: B = 1.68, d = 0.84, Delta = 5 m."""
+
+    def step(at: float) -> np.ndarray:
+        s = np.clip((x - at) / 5.0 + 0.5, 0.0, 1.0)
+        return s**3 * (10 - 15 * s + 6 * s**2)
+
+    h1, h3, h4 = 1.1 * 1.68 + 0.25, 1.2 * 1.68 + 3.75, 1.3 * 1.68 + 0.25
+    low = 3.5 * (step(44.5) - step(70.5)) + 0.84
+    high = h1 + (h3 - h1) * step(15.5) + (h4 - h3) * step(94.5) - 0.84
+    return low, high
+
+
+def outside(results: Results) -> float:
+    """Largest distance [m] by which O1 leaves the corridor, by `limits`."""
+    x, y = results["plant.position.x"], results["plant.position.y"]
+    inside = (x >= -30.0) & (x <= 140.0)
+    low, high = limits(x[inside])
+    return float(max(0.0, np.max(low - y[inside]), np.max(y[inside] - high)))
+
+
+def test_a_start_beside_the_plan_is_recovered(scenario_run: Run) -> None:
+    summary, results = scenario_run("double-lane-change")
+    metrics = summary["metrics"]
+    assert metrics["lateral_error_max"] == pytest.approx(0.3, abs=1e-9)
+    assert metrics["lateral_error_after_0.5s"] < 0.05
+    assert metrics["lateral_error_after_2s"] < 0.01
+    assert metrics["final_time"] == pytest.approx(7.188, abs=0.02)  # what the plan takes
+    assert (metrics["mpc_unsolved"], metrics["fallback_count"]) == (0.0, 0.0)
+    assert np.abs(results["plant.position.y"] - results["reference.reference.y"])[0] == pytest.approx(0.3, abs=1e-9)
+
+
+def test_a_constant_side_force_leaves_no_error_with_integral_action(scenario_run: Run) -> None:
+    pushed = ("double-lane-change", UNDISTURBED, "scenario.side_force=1000")
+    with_, without = (scenario_run(*pushed, f"mpc.integral.gain={gain}")[0]["metrics"] for gain in (0.2, 0.0))
+    assert with_["lateral_error_rms"] < 0.01
+    assert without["lateral_error_rms"] > 5 * with_["lateral_error_rms"]
+    assert without["lateral_error_rms"] > 0.02
+
+
+@pytest.mark.parametrize(("feedback", "limit"), [("truth", 0.02), ("filter", 0.10)])
+def test_the_multibody_car_follows_the_plan_made_for_it(scenario_run: Run, feedback: str, limit: float) -> None:
+    """0.20 m is allowed."""
+    summary, results = scenario_run("double-lane-change-16dof", f"scenario.feedback={feedback}")
+    metrics = summary["metrics"]
+    assert metrics["lateral_error_max"] < limit
+    assert np.ptp(results["plant.position.y"]) > 3.0
+    assert results["plant.velocity.x"].max() > 30.0
+    assert (metrics["mpc_unsolved"], metrics["fallback_count"]) == (0.0, 0.0)
+    assert metrics["saturation_longest"] < 0.1
+
+
+def test_the_multibody_car_is_steered_by_its_servos_and_kept_level(scenario_run: Run) -> None:
+    _, results = scenario_run("double-lane-change-16dof", "scenario.feedback=truth")
+    _, leaning = scenario_run("double-lane-change-16dof", "scenario.feedback=truth", "llc.suspension.enabled=false")
+    assert np.array_equal(results["llc.wheel_torque.rl"][::20], results["mpc.wheel_torque.rl"][::20])
+    late = results["plant.steer_angle.fl"] - results["mpc.command.steer_angle"]
+    assert np.sqrt(np.mean(late**2)) < 2e-3
+    assert np.abs(leaning["plant.roll"]).max() > 2 * np.abs(results["plant.roll"]).max()
+
+
+def test_what_the_controller_assumes_of_the_multibody_car_follows_from_that_car() -> None:
+    system = configured(load("double-lane-change-16dof"), [("llc.steering.rate_limit", "0.5")])
+    assumed = system.instances["mpc"].parameters
+    assert assumed["design.body.mass"] == pytest.approx(1500.0)
+    assert float(assumed["actuator.steer_rate"]) == 0.5
+    assert float(assumed["actuator.steer_limit"]) == 0.5
+    assert system.instances["llc"].parameters["speed.fed_through"] is True
+
+
+def test_the_corridor_is_kept_when_a_motor_is_lost(scenario_run: Run) -> None:
+    summary, results = scenario_run("motor-failure")
+    metrics = summary["metrics"]
+    assert outside(results) == 0.0
+    assert metrics["corridor_violation_max"] == 0.0
+    lost, torque = results["mpc.motor_available.rr"] == 0.0, results["mpc.wheel_torque.rr"]
+    assert results.time[lost][0] == 4.0
+    assert np.abs(torque[lost]).max() < 1e-6
+    assert np.abs(torque[~lost]).max() > 300.0
+    assert (metrics["mpc_unsolved"], metrics["fallback_count"]) == (0.0, 0.0)
+
+
+def test_residuals_are_what_the_wheels_give_less_what_was_asked(scenario_run: Run) -> None:
+    """Longitudinal force and yaw moment put together again from torques and steering angle."""
+    summary, results = scenario_run("motor-failure")
+    rows = results.instants("mpc")
+    U = {w: results[f"mpc.wheel_torque.{w}"][rows] / 0.302 for w in WHEELS}
+    delta, d, l_F = results["plant.steer_angle.fl"][rows], 0.84, 1.19016
+    front = U["fl"] + U["fr"]
+    F_x = np.cos(delta) * front + U["rl"] + U["rr"]
+    M_z = l_F * np.sin(delta) * front + d * (np.cos(delta) * (U["fr"] - U["fl"]) + U["rr"] - U["rl"])
+    for name, given, demand, tolerance in (("force_x", F_x, "force_x", 2.0), ("moment_z", M_z, "moment_z", 20.0)):
+        left = given - results[f"mpc.demand.{demand}"][rows]
+        assert np.abs(left - results[f"mpc.residual.{name}"][rows]).max() < tolerance
+        found = np.abs(results[f"mpc.residual.{name}"][rows])
+        assert summary["metrics"][f"residual_{name}_max"] == found.max()
+        known = results["mpc.motor_available.rr"][rows] == 0.0
+        assert summary["metrics"][f"residual_{name}_max_after_failure"] == found[known].max() > 0.0
+
+
+def test_without_any_motor_the_car_is_still_steered(scenario_run: Run, tmp_path: Path) -> None:
+    """It slows down by drag alone, on the path, and every command is finite."""
+    events = [(5.0, f"mpc.motor_available.{wheel}", "0") for wheel in WHEELS]
+    summary, results = run(Request(load("motor-failure"), tmp_path, events=events))
+    assert summary["status"] == "ok"
+    after = results.time >= 5.0
+    assert all(np.abs(results[f"mpc.wheel_torque.{w}"][after]).max() < 1e-6 for w in WHEELS)
+    assert np.all(np.isfinite(results["mpc.command.steer_angle"]))
+    assert np.all(np.diff(results["plant.velocity.x"][after][20:]) < 0.0)
+    assert outside(results) < 0.05
+
+
+def test_violation_and_time_by_other_means(scenario_run: Run) -> None:
+    _, results = scenario_run("double-lane-change")
+    assert violation(results) == pytest.approx(outside(results), abs=1e-9)
+    x = np.linspace(-30, 140, 200)
+    for mine, theirs in zip(limits(x), corridor().limits().map(len(x))(x[None, :]), strict=True):
+        np.testing.assert_allclose(mine, np.array(theirs).ravel(), atol=1e-12)
+    rows = np.searchsorted(results["plant.position.x"], 140.0)
+    assert results.time[rows - 1] <= final_time(results) <= results.time[rows]
+
+
+def test_settings_move_the_start_and_push_the_car() -> None:
+    values = {"lateral_offset": 0.2, "yaw_offset": 0.1, "speed_offset": -1.0, "side_force": 300.0}
+    scenario = load("double-lane-change")
+    on, beside = (
+        configured(scenario, [(f"scenario.{name}", str(value)) for name, value in chosen.items()]).instances["plant"]
+        for chosen in (dict.fromkeys(values, 0.0), values)
+    )
+    moved = {name: float(beside.parameters[name]) - float(on.parameters[name]) for name in beside.parameters}
+    expected = {"position.x": 0.0, "position.y": 0.2, "yaw": 0.1, "speed": -1.0}
+    assert moved == pytest.approx({**{f"initial.{k}": v for k, v in expected.items()}, "body_force.y": 300.0}, abs=1e-6)
+    assert float(on.parameters["initial.speed"]) == pytest.approx(10.0)
+
+
+def test_runs_are_the_same_to_the_byte(tmp_path: Path) -> None:
+    digests = set()
+    for name in ("a", "b"):
+        run(Request(load("motor-failure"), tmp_path / name))
+        digests.add(hashlib.sha256((tmp_path / name / PARQUET).read_bytes()).hexdigest())
+    assert len(digests) == 1
+
+
+def test_an_exported_system_brings_the_plan_and_names_the_failure(tmp_path: Path) -> None:
+    with zipfile.ZipFile(export(Request(load("motor-failure"), tmp_path), tmp_path / "m.ssp")) as archive:
+        structure, values = archive.read("SystemStructure.ssd"), archive.read("resources/reference.ssv").decode()
+        fmu = tmp_path / "r.fmu"
+        fmu.write_bytes(archive.read("resources/ReferenceTrajectory.fmu"))
+    assert b'time="4.0" element="mpc" connector="motor_available.rr" value="0.0"' in structure
+    name = values.partition('name="trajectory_file"')[2].partition('value="')[2].partition('"')[0]
+    assert name.startswith("double-lane-change-")
+    with zipfile.ZipFile(fmu) as archive:
+        assert archive.read(f"resources/{name}").startswith(b"time,x,y,course,speed,acceleration,curvature\n")
+
+
+@pytest.mark.parametrize("name", ["double-lane-change", "double-lane-change-16dof"])
+def test_the_picture_is_drawn(scenario_run: Run, tmp_path: Path, name: str) -> None:
+    _, results = scenario_run(name) if name == "double-lane-change" else scenario_run(name, "scenario.feedback=truth")
+    scenario = load(name)
+    assert scenario.draw is not None
+    scenario.draw(results, tmp_path / "overview.png", scenario.title)
+    assert (tmp_path / "overview.png").stat().st_size > 50_000
