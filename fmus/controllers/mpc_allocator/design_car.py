@@ -10,12 +10,15 @@ from fmukit.kernel import Signals
 from fmus.double_track import dynamics
 from fmus.double_track.data import DoubleTrackCar
 from fmus.double_track.model import motion
-from fmus.single_track.forces import planar_motion
+from fmus.single_track.forces import air_drag, planar_motion, rolling_coefficient
 
 INPUTS = ("steer", "left", "right")
 """Steering angle asked for [rad], force of both left and of both right wheels [N]."""
 SLOWEST = 3.0
 """Speed [m/s] below which slip angles and sideslip move as at this speed: at rest their equations are singular."""
+
+STANDSTILL = 1.0
+"""Speed [m/s] below which the direction of motion means nothing, and the car is led to rest."""
 
 
 class _Design(Signals):
@@ -37,15 +40,17 @@ def rate(car: DoubleTrackCar, lag: ca.SX, x: ca.SX, u: ca.SX, a: ca.SX) -> ca.SX
     """x' (7) of the states of the double-track car under u = (delta_c, F_L, F_R); a (2) is behind the wheel loads.
 
     F_x = F_L + F_R and M_z = d (F_R - F_L) act whatever the steering angle; half of F_x is at the front wheels and
-    turns with them. delta' = (delta_c - delta)/lag.
+    turns with them. delta' = (delta_c - delta)/lag. Rolling resistance and air fade out below STANDSTILL.
     """
     v = ca.fmax(x[2], SLOWEST)
     moving = ca.vertcat(x[:2], v, x[3:])
     omega_delta = (u[0] - x[6]) / lag
     coasting = motion(car, moving, ca.vertcat(omega_delta, 0, 0, 0, 0), a)
     p, drive = car.planar, u[1] + u[2]
-    F_x, F_y = p.m * coasting.acceleration[0], p.m * coasting.acceleration[1]
+    F_x, F_y = ca.vertsplit(p.m * coasting.acceleration)
     M_z = p.I_zz * coasting.x_dot[5]
+    at_rest = 1 - ca.fmin(ca.fmax(x[2] / STANDSTILL, 0), 1)
+    F_x += at_rest * (rolling_coefficient(p, v) * p.m * p.g + air_drag(p, v))
     load = (F_x + drive, F_y + 0.5 * ca.sin(x[6]) * drive, M_z + car.d * (u[2] - u[1]))
     x_dot = planar_motion(p, moving, omega_delta, load)
     return ca.vertcat(x[2] / v * x_dot[:2], x_dot[2:])

@@ -1,12 +1,12 @@
 """What is known of the car at a sample: its state, its errors on the reference, and the disturbance.
 
-The disturbance d holds rates that the model does not explain. From sample to sample, with the measured x and the car's
-motion from the sample before under the forces then applied, x_{k|k-1},
+The disturbance d holds rates that the model does not explain, those of the position in the frame of the path. From
+sample to sample, with the measured x and what the car's motion x' = f(x, u) + d from the sample before under the forces
+then applied would have made of it, x_{k|k-1},
 
-    d <- d + gain ((x_k - x_{k|k-1})/T_s - d),
+    d <- d + gain (x_k - x_{k|k-1})/T_s.
 
-positions in the frame of the path. What is predicted uses the forces the wheels were given, not those wished for:
-limits do not wind d up.
+What is predicted uses the forces the wheels were given, not those wished for: limits do not wind d up.
 """
 
 from __future__ import annotations
@@ -14,16 +14,14 @@ from __future__ import annotations
 import casadi as ca
 
 from fmukit.kernel import Signals, symbols
-from fmus.controllers.mpc_allocator.design_car import SLOWEST, advance, design_car, steered, wheel_rate
+from fmus.controllers.mpc_allocator.design_car import SLOWEST, STANDSTILL, advance, design_car, steered, wheel_rate
 from fmus.controllers.mpc_allocator.horizon import NODE
 from fmus.controllers.mpc_allocator.interface import INTERFACE
 from fmus.controllers.mpc_allocator.linearise import N_X, turned
-from fmus.double_track.data import DoubleTrackCar
 
 LARGEST_ERROR = ca.DM([5.0, 2.0, 10.0, 0.5, 0.8, 2.0, 0.6])
 """Errors beyond these (m, m, m/s, rad, rad, rad/s, rad) are taken as these: what is absurd stays solvable."""
 LARGEST_DISTURBANCE = ca.DM([2.0, 2.0, 5.0, 1.0, 1.0, 10.0])
-_STANDSTILL = 1.0  # m/s, below it the direction of motion means nothing
 
 
 def function() -> ca.Function:
@@ -38,10 +36,11 @@ def function() -> ca.Function:
     learning, Ts = ca.SX.sym("learning"), ca.SX.sym("Ts")
     car, lag = design_car(p), p["actuator.steer_lag"]
     x = measured(u, steered(before[6], command, lag, Ts))
-    guess = predicted(car, lag, before, U, a, command, Ts)
-    moving = ca.fmin(ca.fmax((x[2] - _STANDSTILL) / (SLOWEST - _STANDSTILL), 0), 1)
+    unexplained = ca.vertcat(turned(d[:2], -node[2]), d[2:], 0)
+    guess = advance(lambda state, _: wheel_rate(car, state, U, a)[0] + unexplained, before, command, lag, Ts)
+    moving = ca.fmin(ca.fmax((x[2] - STANDSTILL) / (SLOWEST - STANDSTILL), 0), 1)
     missed = path_frame(x - guess, node)[:6] / Ts
-    learnt = d + moving * p["integral.gain"] * (missed - d)
+    learnt = d + moving * p["integral.gain"] * missed
     d_now = ca.if_else(learning, _clip(learnt, LARGEST_DISTURBANCE), d)
     d_now = ca.if_else(p["integral.gain"] > 0, d_now, 0)
     e = errors(x, node)
@@ -53,15 +52,10 @@ def function() -> ca.Function:
 def measured(u: Signals, delta: ca.SX) -> ca.SX:
     """x (7) of the estimate, with the steering angle delta [rad]."""
     v = u.vector("estimate.velocity", "xy")
-    beta = ca.atan2(v[1], ca.fmax(v[0], _STANDSTILL))
+    beta = ca.atan2(v[1], ca.fmax(v[0], STANDSTILL))
     speed = ca.if_else(v[0] >= 0, ca.sqrt(ca.sumsqr(v)), v[0])
     position = u.vector("estimate.position", "xy")
     return ca.vertcat(position, speed, beta, u["estimate.yaw"], u["estimate.yaw_rate"], delta)
-
-
-def predicted(car: DoubleTrackCar, lag: ca.SX, x: ca.SX, U: ca.SX, a: ca.SX, command: ca.SX, Ts: ca.SX) -> ca.SX:
-    """x after one sampling period under the forces U of the wheels [N] and the steering command [rad]."""
-    return advance(lambda state, _: wheel_rate(car, state, U, a)[0], x, command, lag, Ts)
 
 
 def errors(x: ca.SX, node: ca.SX) -> ca.SX:
