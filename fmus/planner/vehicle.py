@@ -108,8 +108,8 @@ def vehicle16dof(grip: float = GRIP, design: DesignModel = DESIGN) -> Vehicle:
     """The car to plan with for Vehicle16Dof: its single-track car with the part `grip` of its grip, on four wheels.
 
     What is left of the grip is for the controller, for load transfer by braking and for tyres that lag behind. Default
-    bounds are within what LowLevelPid and MpcAllocator may ask of motors and brakes. With the default, HighLevelLqr and
-    LowLevelPid follow the double lane change within 0.04 m when it is entered at 10 to 25 m/s.
+    bounds are within what LowLevelPid and MpcAllocator may ask of motors and brakes. README.md says how well the car
+    follows.
     """
     return four_wheel_drive(with_grip(design_car(design), grip), friction=grip)
 

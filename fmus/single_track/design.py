@@ -30,7 +30,8 @@ def design_car(design: DesignModel = DESIGN) -> Car:
     """The single-track car of a design model; each axle is fitted to two of the plant's tyres in a steady turn.
 
     Load transfer costs the axles grip, and the pneumatic trail t loads the front axle with m a_y (l_R + t)/L, the rear
-    one with m a_y (l_F - t)/L; this car carries m a_y l_R/L and m a_y l_F/L at the same slip angles.
+    one with m a_y (l_F - t)/L; this car carries m a_y l_R/L and m a_y l_F/L at the same slip angles. Plan with it
+    by `fmus.planner.vehicle.vehicle16dof`.
     """
     no_tyre = Tyre(0.0, 0.0, 0.0, 0.0)
     rough = Car(
