@@ -14,8 +14,9 @@ from fmus.planner.program import Ends, Program, decision, limits, roughness, sca
 from fmus.planner.vehicle import Vehicle
 
 _SHORTEST, _LONGEST = 1e-3, 2.0
-_TURN = 1.2
-"""Largest angle of the car to the road [rad]."""
+"""Lengths of an interval [s]; longer where the gates are so far apart that the car may need more."""
+_SPEED, _TURN = 2, 1.2
+"""The state that is the speed; largest angle of the car to the road [rad]."""
 
 
 def program(vehicle: Vehicle, gates: Gates, ends: Ends, *, substeps: int, smoothing: float) -> Program:
@@ -41,7 +42,6 @@ def _bounds(vehicle: Vehicle, gates: Gates, ends: Ends) -> tuple[Array, Array]:
     low[0], high[0] = 0.0, 0.0
     low[1], high[1] = np.fmax(low[1], gates.low), np.fmin(high[1], gates.high)
     low[4], high[4] = np.fmax(low[4], -_TURN), np.fmin(high[4], _TURN)
-    m = low.shape[1] - 1
-    return scaled(vehicle, low, vehicle.input_lower, np.full(m, _SHORTEST)), scaled(
-        vehicle, high, vehicle.input_upper, np.full(m, _LONGEST)
-    )
+    longest = np.fmax(_LONGEST, 1.5 * np.hypot(*gates.steps[:, :2].T) / vehicle.lower[_SPEED])
+    shortest = np.full(len(longest), _SHORTEST)
+    return scaled(vehicle, low, vehicle.input_lower, shortest), scaled(vehicle, high, vehicle.input_upper, longest)

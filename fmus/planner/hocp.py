@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
+import numpy as np
+
 from fmus.planner import check, gate_grid, guess, time_grid
 from fmus.planner.bends import check_bends
 from fmus.planner.diagnosis import check_ends, explained
@@ -18,6 +20,8 @@ from fmus.planner.vehicle import Vehicle
 
 Grid = Literal["gate", "time"]
 
+_FARTHEST = 100.0
+"""Largest distance of two gates [m] (engineering choice): some seconds with inputs held."""
 _REMEDY_ITERATIONS = 150
 """A plan with freer ends is found within so many iterations, or is not worth waiting for (engineering choice)."""
 
@@ -91,6 +95,7 @@ def plan(
     if m < 2:
         raise PlanningError(f"a plan needs at least 2 intervals, not {m}")
     gates = road.gates(m)
+    _check_spacing(gates)
     check_ends(vehicle, gates, ends)
     check_bends(vehicle, gates)
 
@@ -114,6 +119,15 @@ def refine(
     for m in meshes:
         plans.append(plan(vehicle, road, m, ends, settings, start=plans[-1].nodes if plans else None))
     return plans
+
+
+def _check_spacing(gates: Gates) -> None:
+    lengths = np.hypot(*gates.steps[:, :2].T)
+    if lengths.max() > _FARTHEST:
+        raise PlanningError(
+            f"the gates are {lengths.max():.0f} m apart, too far to plan between them; "
+            f"take at least {np.ceil(lengths.sum() / _FARTHEST):.0f} intervals"
+        )
 
 
 def _guess(vehicle: Vehicle, gates: Gates, ends: Ends, settings: Settings, start: Nodes | None) -> Nodes:

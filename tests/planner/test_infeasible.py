@@ -93,6 +93,15 @@ def test_room_of_a_bend(angle: float, side: int) -> None:
     assert np.hypot(*(road.gates(1500).frames[k, :2] - centre)) == pytest.approx(r, abs=0.05)
 
 
+def test_gates_far_apart() -> None:
+    line = np.column_stack([np.linspace(0, 3000, 31), 20 * np.sin(np.linspace(0, 20, 31))])
+    road = PathRoad(line, np.full((31, 2), 4.0))
+    with pytest.raises(PlanningError, match=r"the gates are 15\d m apart, .* take at least 31 intervals"):
+        plan(CAR, road, 20)
+    slow = plan(CAR, road, 100, standing_ends(4.0))
+    assert slow.nodes.T[0] > 2, "30 m from 4 m/s takes longer than intervals usually may"
+
+
 def test_ordinary_roads_pass() -> None:
     bends.check_bends(CAR, ROAD.gates(80))
     bends.check_bends(CAR, hairpin(4.0, 2.0).gates(100))

@@ -63,7 +63,7 @@ def test_program_against_casadi(name: str) -> None:
     weight, weights = ca.MX.sym("weight"), ca.MX.sym("weights", g.numel())
     hessian = ca.triu(ca.hessian(weight * f + ca.dot(weights, g), w)[0])
     by_casadi = ca.Function("by_casadi", [w, p, weight, weights], [g, ca.jacobian(g, w), hessian])
-    point = rng.uniform(np.clip(program.lower, -2, 3), np.clip(program.upper, -2, 3))
+    point = rng.uniform(np.clip(program.lower, -1, 1), np.clip(program.upper, -1, 1))
     lam = rng.normal(size=g.numel())
     expected = by_casadi(point, program.parameters, 0.7, lam)
     seen = (
