@@ -14,7 +14,6 @@ import osqp
 from scipy import sparse
 
 from fmukit.qp.settings import QpSettings
-from fmukit.qp.unrolled import with_straight_lines
 
 COMMON = "node.c"
 _COMMENT = re.compile(r"/\*.*?\*/\n*", re.DOTALL)
@@ -69,7 +68,7 @@ def _generated(symbol: str, P: ca.Sparsity, A: ca.Sparsity, settings: QpSettings
         workspace = (Path(folder) / f"{symbol}_osqp_workspace.c").read_text("utf-8")
         configuration = (Path(folder) / "osqp_configure.h").read_text("utf-8")
     workspace = _NUMBERS.sub(r"\1;", _COMMENT.sub("", workspace))
-    return with_straight_lines(_DEFINITION.sub("static ", workspace)), _COMMENT.sub("", configuration)
+    return _DEFINITION.sub("static ", workspace), _COMMENT.sub("", configuration)
 
 
 def _identity(pattern: ca.Sparsity) -> sparse.csc_matrix:

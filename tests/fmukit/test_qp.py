@@ -12,7 +12,7 @@ from demo_programs import plan_problem, spread_problem
 from scipy import sparse
 from scipy.optimize import linprog, lsq_linear
 
-from fmukit.qp import QpSettings, QpSolver, qp_solver, unrolled
+from fmukit.qp import QpSettings, QpSolver, qp_solver
 
 EXACT = QpSettings(absolute=1e-9, relative=0.0, iterations=20000)
 Problem = tuple[sparse.csc_matrix, np.ndarray, sparse.csc_matrix, np.ndarray, np.ndarray]
@@ -218,15 +218,6 @@ def test_the_order_of_problems_does_not_matter(plan: QpSolver) -> None:
     forward = [_solve(plan, problem) for problem in problems]
     backward = [_solve(plan, problem) for problem in reversed(problems)]
     assert all(_same(a, b) for a, b in zip(forward, reversed(backward), strict=True))
-
-
-def test_straight_lines_give_the_bits_of_osqps_loops(plan: QpSolver, monkeypatch: pytest.MonkeyPatch) -> None:
-    problems = _sequence(10)
-    monkeypatch.setattr(unrolled, "LARGEST", 0)
-    looping = qp_solver("test_plan", plan.P, plan.A, plan.settings)
-    assert "&unrolled" in plan.sources["qp_test_plan_osqp_workspace.c"]
-    assert "&solve_linsys_qdldl" in looping.sources["qp_test_plan_osqp_workspace.c"]
-    assert all(_same(a, b) for a, b in zip(_chain(plan, problems), _chain(looping, problems), strict=True))
 
 
 def test_threads_do_not_disturb_each_other(plan: QpSolver) -> None:
