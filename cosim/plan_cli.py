@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
+from cosim import avoidance_cli
 from cosim.errors import CosimError
 
 if TYPE_CHECKING:
@@ -26,7 +27,11 @@ class Wheel(StrEnum):
 
 
 def plan_command(
-    name: Annotated[str, typer.Argument(help="double-lane-change, test-drive, or the CSV file of a centre line.")],
+    context: typer.Context,
+    name: Annotated[
+        str,
+        typer.Argument(help="double-lane-change, test-drive, the CSV file of a centre line, or collision-avoidance."),
+    ],
     *,
     m: Annotated[int, typer.Option("-m", "--intervals", help="Intervals of the plan.")] = 80,
     grid: Annotated[
@@ -43,7 +48,13 @@ def plan_command(
     lost_motor: Annotated[list[Wheel] | None, typer.Option(help="A motor lost in --forces; repeatable.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the figures as JSON and nothing else.")] = False,
 ) -> None:
-    """Plan the time-optimal motion along a road; ReferenceTrajectory plays the file."""
+    """Plan the time-optimal motion along a road; ReferenceTrajectory plays the file.
+
+    collision-avoidance is the table of the last points to brake and to steer; -o writes it as CSV.
+    """
+    if name == avoidance_cli.NAME:
+        avoidance_cli.avoidance_command(file, _given(context), as_json=as_json)
+        return
     from fmus.planner import plans, trajectory  # noqa: PLC0415  (lazy: `--help` answers at once)
     from fmus.planner.cars import CARS  # noqa: PLC0415
     from fmus.planner.errors import PlanningError  # noqa: PLC0415
@@ -67,12 +78,25 @@ def plan_command(
         print(f"{key:<{width}} {value:.6g}" if isinstance(value, float) else f"{key:<{width}} {value}")
 
 
+def _given(context: typer.Context) -> list[str]:
+    """The options of a plan that the user gave, as written."""
+    own = {"name", "file", "as_json"}
+    given = [p for p in context.command.params if p.name not in own and _on_command_line(context, p.name or "")]
+    return [max(parameter.opts, key=len) for parameter in given]
+
+
+def _on_command_line(context: typer.Context, name: str) -> bool:
+    source = context.get_parameter_source(name)
+    return source is not None and source.name == "COMMANDLINE"
+
+
 def _figures(plan: Plan, target: Path) -> dict[str, Any]:
     """Times in s, distances in m, speed in m/s."""
     return {
         "final_time": plan.final_time,
         "final_speed": float(plan.nodes.x[2, -1]),
         "violation": plan.violation,
+        "residual": plan.residual,
         "replay_error": plan.replay_error(restart=True),
         "status": plan.status,
         "iterations": plan.iterations,

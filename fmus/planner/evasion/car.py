@@ -17,7 +17,7 @@ from fmus.single_track.forces import STATES
 Means = Literal["steer", "brake", "drive", "full brakes"]
 """With what the car evades, besides steering: wheels rolling free; brakes; motors as well; all the brakes have."""
 
-SIDESLIP = 0.2
+SIDESLIP = 0.12
 """Largest sideslip [rad] of a manoeuvre (engineering choice: a controller has to follow it)."""
 FRONT, REAR, STEERING_RATE = (-6e3, 0.0), (-4e3, 5e3), 0.5
 """Axle forces at friction 1 [N] and steering rate [rad/s]: engineering choices, 92 % and 71 % of the axles' grip."""
@@ -45,11 +45,11 @@ def input_limits(mu: float, means: Means) -> tuple[Array, Array]:
     return least, most
 
 
-def evading_car(car: Car, mu: float, means: Means) -> Vehicle:
-    """The car for the planner, on friction `mu`."""
+def evading_car(car: Car, mu: float, means: Means, slowest: float = 0.0) -> Vehicle:
+    """The car for the planner, on friction `mu`, never slower than `slowest` [m/s]."""
     vehicle = two_wheel_drive(on_road(car, mu), friction=mu)
     (low, high), lower, upper = input_limits(mu, means), vehicle.lower.copy(), vehicle.upper.copy()
-    lower[3], upper[3] = -SIDESLIP, SIDESLIP
+    lower[2], lower[3], upper[3] = max(lower[2], slowest), -SIDESLIP, SIDESLIP
     idle = np.clip(np.zeros(3), low, high)
     return replace(vehicle, lower=lower, upper=upper, input_lower=low, input_upper=high, idle=idle)
 

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from fmus.planner.evasion.braking import impact_speed
+from fmus.planner.evasion.braking import impact_speed, stopping_distance
 from fmus.planner.evasion.situation import Encounter, Surroundings, checked
 from fmus.planner.evasion.table import Table
 
@@ -46,7 +46,8 @@ def decide(encounter: Encounter, table: Table, surroundings: Surroundings | None
     s = surroundings or Surroundings()
     e = checked(encounter, s)
     left = e.distance - s.reaction_time * e.speed
-    last = {column: _last_point(table, column, e, s) for column in ("brake", "steer", "brake_and_steer")}
+    last = {column: _last_point(table, column, e, s) for column in ("steer", "brake_and_steer")}
+    last = {"brake": stopping_distance(e.speed, e.friction, s.deceleration), **last}
     action = next((name for name, way in zip(ACTIONS, last.values(), strict=False) if way <= left), ACTIONS[-1])
     impact = impact_speed(e.speed, e.friction, s.deceleration, max(left, 0.0)) if action == "mitigate" else 0.0
     return Decision(action, left, **last, impact=impact)
@@ -55,6 +56,7 @@ def decide(encounter: Encounter, table: Table, surroundings: Surroundings | None
 def _last_point(table: Table, column: str, e: Encounter, s: Surroundings) -> float:
     """An obstacle narrower than the table's is passed as the narrowest; too wide a one has no last point to steer."""
     offset = max(s.offset(e.width), float(table.offsets[0]))
-    if column == "brake":
-        return table.at(column, e.friction, float(table.offsets[0]), e.speed)
-    return s.reserve * table.at(column, e.friction, offset, e.speed) if offset <= table.offsets[-1] else math.inf
+    if offset > table.offsets[-1]:
+        table.at(column, e.friction, float(table.offsets[-1]), e.speed)  # beyond the table in speed or friction
+        return math.inf
+    return s.reserve * table.at(column, e.friction, offset, e.speed)

@@ -19,6 +19,8 @@ _BEFORE, _AFTER = 30, 45
 _SETTLE = 2.6
 """Time [s] at the first speed in which the car is straight again; the last points allow 2.4 s."""
 _SMOOTHING = 1e-3
+_SLOWEST = 0.4
+"""Part of its speed that the car keeps; keeps the search from plans that nearly stop (engineering choice)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +66,7 @@ def ends(speed: float, lane: float) -> Ends:
 
 def lane_change(encounter: Encounter, means: Means, surroundings: Surroundings, data: Car | None = None) -> Plan:
     """The plan; raises PlanningError when there is none. Evaluated in one way, so that its digits always agree."""
-    vehicle = evading_car(data or car(), encounter.friction, means)
+    vehicle = evading_car(data or car(), encounter.friction, means, slowest=_SLOWEST * encounter.speed)
     settings = Settings(compile=False, smoothing=_SMOOTHING)
     way, both = road(encounter, surroundings), ends(encounter.speed, surroundings.lane)
     start = _at_constant_speed(way, encounter.speed, surroundings.lane)
@@ -72,7 +74,7 @@ def lane_change(encounter: Encounter, means: Means, surroundings: Surroundings, 
 
 
 def _at_constant_speed(way: EvasionRoad, speed: float, lane: float) -> Nodes:
-    """Where the search begins. From a guess that gains speed it may end in a plan that stops and goes."""
+    """Where the search begins."""
     x = way.gates(_BEFORE + _AFTER).frames[:, 0]
     s = np.clip(0.7 * x / way.turn, 0, 1)
     states = np.zeros((7, len(x)))

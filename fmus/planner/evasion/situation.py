@@ -23,7 +23,7 @@ class Surroundings:
     rear: float = 2.3
     lane: float = 3.5
     clearance: float = 0.5
-    edge_clearance: float = 0.3
+    edge_clearance: float = 0.45
     reaction_time: float = 0.3
     deceleration: float = 8.0
     reserve: float = 1.05

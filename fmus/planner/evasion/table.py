@@ -17,7 +17,7 @@ from fmus.planner.evasion.situation import Surroundings
 from fmus.planner.gates import Array
 
 FRICTIONS = (0.3, 0.6, 1.0)
-OFFSETS = (1.5, 2.0, 2.5, 3.0, 3.5)
+OFFSETS = (1.5, 2.5, 3.5)
 SPEEDS = (15.0, 20.0, 25.0, 30.0, 35.0)
 COLUMNS = ("friction", "offset", "speed", "brake", "brake_of_car", "steer", "brake_and_steer")
 FILE = Path(__file__).with_name("last_points.csv")

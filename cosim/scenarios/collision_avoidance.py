@@ -1,0 +1,20 @@
+"""An obstacle appears ahead of the car, which brakes, steers, does both, or makes the best of it."""
+
+from cosim.scenario import Scenario
+from cosim.scenarios import _avoidance
+from cosim.scenarios._avoidance_metrics import avoidance_metrics
+from cosim.scenarios._catalogue import fmu_path
+from cosim.scenarios._start import start_on_reference
+
+SCENARIO = Scenario(
+    name="collision-avoidance",
+    title="An obstacle appears ahead: the car decides by its last points to brake and to steer, plans, and evades",
+    figures="section 3.3.7 (collision avoidance system)",
+    stop_time=5.0,
+    build=_avoidance.loop,
+    complete=lambda system, _settings: start_on_reference(system),
+    find=fmu_path,
+    metrics=avoidance_metrics,
+    draw=_avoidance.draw,
+    settings=_avoidance.SETTINGS,
+)
