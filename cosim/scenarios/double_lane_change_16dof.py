@@ -7,8 +7,10 @@ from cosim.scenarios._lane_change_metrics import multibody_metrics
 from cosim.scenarios._sensors import SETTINGS, TRUE_RATES, TRUE_YAW_RATE, add_sensors, feed_back
 from cosim.system import System
 
-_LAG = 0.02
-"""Time constant [s] the controller assumes of the steering: the demand's filter and the servos behind it."""
+_LAG = 0.03
+"""Time constant [s] the controller assumes of the steering: the filter of the demand and the servos behind it."""
+_CALM = {"weight.steer_change": 1000.0, "integral.gain": 0.1}
+"""Of the controller: the noise of the estimate reaches the steering three times less than by its start values."""
 
 
 def _build(settings: Settings) -> System:
@@ -21,7 +23,7 @@ def _build(settings: Settings) -> System:
     system.add(
         "reference", "ReferenceTrajectory", {"trajectory_file": str(_lane_change.lane_change_plan(design_car()))}
     )
-    system.add("mpc", "MpcAllocator", {f"design.{name}": value for name, value in from_design().items()})
+    system.add("mpc", "MpcAllocator", {f"design.{name}": value for name, value in from_design().items()} | _CALM)
     system.add("llc", "LowLevelPid", {"speed.fed_through": True, "yaw.fed_through": True})
     system.connect("reference", "mpc")
     system.connect(

@@ -18,7 +18,7 @@ def _build(settings: Settings) -> System:
 
 SCENARIO = Scenario(
     name="motor-failure",
-    title="Double lane change of the planar car that loses the motor of its right rear wheel",
+    title="Double lane change of the planar car that loses one of its four motors half-way",
     figures="the path of Fig. 3.4 with the distribution of Figs. 3.11 and 3.12 after the loss of a motor",
     stop_time=7.6,
     build=_build,
