@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -70,6 +71,8 @@ def plan_command(
             figures |= _written_forces(found, planned.whole, lost_motor or [], forces)
     except PlanningError as error:
         raise CosimError(str(error)) from error
+    for remark in plans.remarks(figures["violation"], figures["replay_error"]):
+        print(f"cosim: {remark}", file=sys.stderr)
     if as_json:
         print(json.dumps(figures, indent=2))
         return

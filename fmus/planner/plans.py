@@ -22,6 +22,8 @@ ROADS: dict[str, Callable[[], Corridor]] = {
     "test-drive": lambda: double_lane_change(1.0, 0.75, 1.5, "cubic"),
 }
 """The roads known by name; `test-drive` is the published one with its sharp edges."""
+_LARGEST_VIOLATION, _LARGEST_ERROR = 0.2, 0.01
+"""What is let pass without a remark [m] (engineering choices)."""
 
 
 def named(name: str, m: int, grid: Grid, speed: float, vehicle: Vehicle | None = None) -> Plan:
@@ -34,6 +36,16 @@ def named(name: str, m: int, grid: Grid, speed: float, vehicle: Vehicle | None =
         )
     ends = standing_ends(speed)
     return hocp.plan(vehicle or two_wheel_drive(car()), _road(name), m, ends, Settings(grid=grid))
+
+
+def remarks(violation: float, replay_error: float) -> list[str]:
+    """What a user should know of a plan on a mesh too coarse for its road; distances in m, see `Plan`."""
+    found = []
+    if violation > _LARGEST_VIOLATION:
+        found.append(f"between its nodes the plan leaves the road by {violation:.2f} m; take more intervals")
+    if replay_error > _LARGEST_ERROR:
+        found.append(f"within an interval the plan is wrong by {replay_error:.2g} m; take more intervals")
+    return found
 
 
 def _road(name: str) -> hocp.Road:

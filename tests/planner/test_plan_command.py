@@ -24,8 +24,21 @@ def test_figures_and_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsy
     assert run(monkeypatch, "double-lane-change", "-m", "20", "--json", "-o", str(file)) == 0
     figures = json.loads(capsys.readouterr().out)
     assert figures["final_time"] == pytest.approx(7.17, abs=0.05)
-    assert figures["replay_error"] < 0.01
+    assert figures["replay_error"] < 0.01 and figures["residual"] < 1e-6
+    assert figures["status"] == "Solve_Succeeded" and figures["iterations"] > 0 and figures["solve_time"] > 0
     assert np.loadtxt(file, delimiter=",", skiprows=1).shape == (201, 7)
+
+
+def test_a_coarse_mesh_is_remarked_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = str(tmp_path / "plan.csv")
+    assert run(monkeypatch, "double-lane-change", "-m", "10", "--speed", "50", "--json", "-o", file) == 0
+    seen = capsys.readouterr()
+    assert json.loads(seen.out)["violation"] > 0.2
+    assert "between its nodes the plan leaves the road by" in seen.err and "take more intervals" in seen.err
+    assert run(monkeypatch, "double-lane-change", "-m", "40", "-o", file) == 0
+    assert not capsys.readouterr().err
 
 
 def test_road_of_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
