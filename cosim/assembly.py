@@ -74,7 +74,7 @@ def assemble(system: System, faces: Mapping[str, Face], seed: int, step: float |
     for node in nodes.values():
         for name in node.values.keys() & node.incoming.keys():
             raise CosimError(f"{node.name}.{name} cannot be set, as it is connected: {node.incoming[name].text}")
-    for event in sorted(system.events, key=lambda event: event.time):
+    for event in sorted(system.events.values(), key=lambda event: event.time):
         _schedule(nodes[event.instance], event)
     return nodes
 

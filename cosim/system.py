@@ -50,11 +50,14 @@ class Wire:
 
 @dataclass
 class System:
-    """Instances by name, in the order in which they are listed and recorded, wires between them, and events."""
+    """Instances by name, in the order in which they are listed and recorded, wires between them, and events.
+
+    Events are found by time, instance and variable.
+    """
 
     instances: dict[str, Instance] = field(default_factory=dict)
     wires: list[Wire] = field(default_factory=list)
-    events: list[Event] = field(default_factory=list)
+    events: dict[tuple[float, str, str], Event] = field(default_factory=dict)
 
     def add(
         self, name: str, model: str, parameters: Mapping[str, Value] | None = None, period: float | None = None
@@ -80,7 +83,7 @@ class System:
         instance, variable = self.split(assignment)
         self.instances[instance].parameters[variable] = value
 
-    def at(self, time: float, signal: str, value: Value) -> Event:
+    def at(self, time: float, signal: str, value: Value) -> None:
         """From `time` [s] on the unconnected input `instance.variable` holds `value`, until an event sets it again.
 
         It takes effect when the instance next takes its inputs, at that time or after it. Of two events for one input
@@ -88,10 +91,8 @@ class System:
         """
         if not (math.isfinite(time) and time >= 0.0):
             raise CosimError(f"{signal} cannot be set at {time:g} s; give a time that is finite and not negative")
-        event = Event(time, *self.split(signal), value)
-        place = (event.time, event.instance, event.variable)
-        self.events = [e for e in self.events if (e.time, e.instance, e.variable) != place] + [event]
-        return event
+        instance, variable = self.split(signal)
+        self.events[time, instance, variable] = Event(time, instance, variable, value)
 
     def split(self, signal: str) -> tuple[str, str]:
         """(instance, variable) of `instance.variable`, with the longest instance name that fits."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from cosim.results import Results
 from cosim.scenarios._lane_change import corridor
-from cosim.scenarios._mpc_metrics import at_samples, mpc_metrics
+from cosim.scenarios._mpc_metrics import at_samples, largest, mpc_metrics
 from cosim.scenarios._tracking_metrics import estimate_errors, longest_saturation, peak, rms
 
 _AVAILABLE = "mpc.motor_available."
@@ -35,7 +35,7 @@ def motor_failure_metrics(results: Results) -> dict[str, float]:
     lost = np.any([results[name][known] < 1.0 for name in results.names if name.startswith(_AVAILABLE)], axis=0)
     found = {}
     for name in ("force_x", "force_y", "moment_z"):
-        found[f"residual_{name}_max_after_failure"] = peak(at_samples(results, f"residual.{name}")[lost])
+        found[f"residual_{name}_max_after_failure"] = largest(at_samples(results, f"residual.{name}")[lost])
     return lane_change_metrics(results) | found
 
 
@@ -50,8 +50,11 @@ def final_time(results: Results) -> float:
 
 
 def violation(results: Results) -> float:
-    """How far O1 left the corridor between its ends, at most; the corridor keeps the clearance from its edges."""
+    """How far O1 left the corridor between its ends, at most; NaN if it never was between them.
+
+    The corridor keeps the clearance from its edges.
+    """
     road = corridor()
     points = np.column_stack([results["plant.position.x"], results["plant.position.y"]])
     inside = (points[:, 0] >= road.start) & (points[:, 0] <= road.end)
-    return road.violation(points[inside])
+    return road.violation(points[inside]) if inside.any() else float("nan")

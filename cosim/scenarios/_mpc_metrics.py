@@ -17,8 +17,8 @@ def mpc_metrics(results: Results) -> dict[str, float]:
     return {
         "lateral_error_max": peak(e.lateral),
         "lateral_error_rms": rms(e.lateral),
-        "lateral_error_after_0.5s": peak(e.lateral[e.time >= 0.5]),
-        "lateral_error_after_2s": peak(e.lateral[e.time >= 2.0]),
+        "lateral_error_after_0.5s": largest(e.lateral[e.time >= 0.5]),
+        "lateral_error_after_2s": largest(e.lateral[e.time >= 2.0]),
         "lateral_error_rms_after_2s": rms(e.lateral[e.time >= 2.0]),
         "longitudinal_error_max": peak(e.longitudinal),
         "speed_error_max": peak(e.speed),
@@ -47,6 +47,11 @@ def solvers(results: Results) -> dict[str, float]:
         found[f"{prefix}_iterations_mean"] = float(np.mean(iterations))
         found[f"{prefix}_iterations_max"] = peak(iterations)
     return found | {"fallback_count": peak(at_samples(results, "fallback.count"))}
+
+
+def largest(values: Vector) -> float:
+    """Largest magnitude; NaN without values."""
+    return peak(values) if len(values) else float("nan")
 
 
 def at_samples(results: Results, name: str) -> Vector:

@@ -145,6 +145,13 @@ def test_violation_and_time_by_other_means(scenario_run: Run) -> None:
     assert results.time[rows - 1] <= final_time(results) <= results.time[rows]
 
 
+def test_what_a_short_run_cannot_tell_is_left_open(tmp_path: Path) -> None:
+    metrics = run(Request(load("motor-failure"), tmp_path, stop_time=0.3))[0]["metrics"]
+    names = ("final_time", "lateral_error_after_0.5s", "lateral_error_after_2s", "residual_force_x_max_after_failure")
+    assert [metrics[name] for name in names] == [None] * 4
+    assert metrics["lateral_error_max"] < 0.01
+
+
 def test_settings_move_the_start_and_push_the_car() -> None:
     values = {"lateral_offset": 0.2, "yaw_offset": 0.1, "speed_offset": -1.0, "side_force": 300.0}
     scenario = load("double-lane-change")
