@@ -9,6 +9,7 @@ import casadi as ca
 import numpy as np
 
 from fmus.design import DESIGN, DesignModel
+from fmus.planner.errors import PlanningError
 from fmus.planner.gates import Array
 from fmus.single_track import gear_shift, model
 from fmus.single_track.data import Car
@@ -115,7 +116,9 @@ def vehicle16dof(grip: float = GRIP, design: DesignModel = DESIGN) -> Vehicle:
 
 
 def with_grip(car: Car, grip: float) -> Car:
-    """The car on tyres with the part `grip` of their peaks; slip stiffnesses keep."""
+    """The car on tyres with the part `grip` (0, 1] of their peaks, slip stiffnesses kept; else raises PlanningError."""
+    if not 0 < grip <= 1:
+        raise PlanningError(f"the part of the grip to plan with is {grip:g}; give a number above 0, at most 1")
     front, rear = (replace(tyre, B=tyre.B / grip, D=tyre.D * grip) for tyre in (car.front, car.rear))
     return replace(car, front=front, rear=rear)
 

@@ -15,6 +15,7 @@ from fmus import vehicle16dof
 from fmus.controllers import low_level_pid, mpc_allocator
 from fmus.design import DESIGN
 from fmus.planner import trajectory
+from fmus.planner.errors import PlanningError
 from fmus.planner.hocp import Settings, plan
 from fmus.planner.program import standing_ends
 from fmus.planner.road import double_lane_change
@@ -138,3 +139,9 @@ def test_plan_for_the_multibody_car_keeps_grip(speed: float) -> None:
     assert np.abs(slips).max() < MOST_SLIP + 0.02
     assert 3.5 < np.abs(across).max() < 0.88 * 7.9
     assert found.replay_error(restart=True) < 0.01
+
+
+@pytest.mark.parametrize("grip", [0.0, 1.1, math.nan])
+def test_impossible_grip(grip: float) -> None:
+    with pytest.raises(PlanningError, match=f"plan with is {grip:g}"):
+        vehicle16dof_plan(grip)
