@@ -21,7 +21,9 @@ def test_one_round_fills_the_table() -> None:
     done = _benchmarks("--rounds", "1")
     assert done.returncode == 0, done.stderr
     plans = ("plan, gate grid, m = 160", "plan, time grid, m = 80", "plain CasADi", "IPOPT of fatrop")
-    for figure in ("set + 1 ms step + get", "one RK4 step with tyres", "recorder on", "share of the master", *plans):
+    programs = ("prediction, 275", "force distribution, 4", "change: prediction", "change: force", "MpcAllocator int")
+    others = ("set + 1 ms step + get", "one RK4 step with tyres", "recorder on", "share of the master")
+    for figure in (*others, *plans, *programs):
         (line,) = [line for line in done.stdout.splitlines() if figure in line]
         found = re.search(r"│\s*([0-9.]+)\s*%?\s*│", line)
         assert found, line
