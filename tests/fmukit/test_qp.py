@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from pathlib import Path
 
 import casadi as ca
 import numpy as np
@@ -12,7 +13,9 @@ from demo_programs import plan_problem, spread_problem
 from scipy import sparse
 from scipy.optimize import linprog, lsq_linear
 
-from fmukit.qp import QpSettings, QpSolver, qp_solver
+from fmukit.build import cache
+from fmukit.build.errors import BuildError
+from fmukit.qp import QpSettings, QpSolver, codegen, library, qp_solver
 
 EXACT = QpSettings(absolute=1e-9, relative=0.0, iterations=20000)
 Problem = tuple[sparse.csc_matrix, np.ndarray, sparse.csc_matrix, np.ndarray, np.ndarray]
@@ -251,6 +254,26 @@ def test_time_is_given_when_asked_for(plan: QpSolver) -> None:
     P, q, A, low, high = _sequence(1)[0]
     found = plan.function(P.data, q, A.data, low, high, 0, 0, 0, 1)
     assert 0.0 < float(found[7]) < 1.0
+
+
+def test_a_damaged_library_is_compiled_anew_and_a_sound_one_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cache, "cache_folder", lambda: tmp_path)
+    patterns = ca.Sparsity.upper(2), ca.Sparsity.dense(2, 2)
+    texts, units = codegen.sources("qp_kept", *patterns, EXACT), (codegen.COMMON, "qp_kept.c")
+    path = library.compiled("qp_kept", texts, units)
+    whole, made = path.read_bytes(), path.stat().st_mtime_ns
+    assert library.compiled("qp_kept", texts, units).stat().st_mtime_ns == made
+    path.write_bytes(whole[:1000])
+    assert library.compiled("qp_kept", texts, units).read_bytes() == whole
+
+
+def test_a_cache_that_cannot_be_written_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "file").write_text("in the way")
+    monkeypatch.setattr(cache, "cache_folder", lambda: tmp_path / "file")
+    with pytest.raises(BuildError, match=r"the cache folder .* cannot be written"):
+        qp_solver("test_nowhere", ca.Sparsity.upper(2), ca.Sparsity.diag(2))
 
 
 @pytest.mark.parametrize(
