@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 import math
 import zipfile
 from pathlib import Path
@@ -12,7 +13,7 @@ import pytest
 from cosim_mocks import Mock, face, simulate
 from lxml import etree
 
-from cosim import cli, scenarios
+from cosim import cli, display, scenarios
 from cosim.assembly import assemble
 from cosim.clock import SECOND
 from cosim.errors import CosimError
@@ -239,3 +240,14 @@ def test_the_command(monkeypatch, tmp_path, capsys) -> None:
         time = results.time
     assert abs(yaw[0][time < 0.1]).max() < 0.05 < abs(yaw[0][time > 0.105]).max()
     assert abs(yaw[1][time < 0.02]).max() > 0.2
+
+
+def test_notices_are_shown_on_stderr_or_not_at_all(capsys, caplog) -> None:
+    log = logging.getLogger("cosim")
+    for shown in (True, False):
+        display.notices(shown=shown)
+        log.info("planning %s", "x")
+    captured = capsys.readouterr()
+    assert captured.err == "cosim: planning x\n"
+    assert captured.out == ""
+    assert caplog.messages == ["planning x"] * 2

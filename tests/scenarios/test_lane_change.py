@@ -55,6 +55,20 @@ def test_a_start_beside_the_plan_is_recovered(scenario_run: Run) -> None:
     assert np.abs(results["plant.position.y"] - results["reference.reference.y"])[0] == pytest.approx(0.3, abs=1e-9)
 
 
+@pytest.mark.nightly
+@pytest.mark.parametrize("lateral", [-0.5, 0.5])
+@pytest.mark.parametrize("yaw", [-0.1, 0.1])
+@pytest.mark.parametrize("speed", [-1.0, 1.0])
+def test_any_start_beside_the_plan_is_recovered(scenario_run: Run, lateral: float, yaw: float, speed: float) -> None:
+    """0.5 m beside, turned by 6 degrees, 1 m/s too fast or too slow, all at once."""
+    values = {"lateral_offset": lateral, "yaw_offset": yaw, "speed_offset": speed}
+    metrics = scenario_run("double-lane-change", *(f"scenario.{n}={v}" for n, v in values.items()))[0]["metrics"]
+    assert metrics["lateral_error_after_2s"] < 0.05
+    assert metrics["lateral_error_rms_after_2s"] < 0.01
+    assert metrics["lateral_error_max"] < 1.0
+    assert metrics["fallback_count"] == 0.0
+
+
 def test_a_constant_side_force_leaves_no_error_with_integral_action(scenario_run: Run) -> None:
     pushed = ("double-lane-change", UNDISTURBED, "scenario.side_force=1000")
     with_, without = (scenario_run(*pushed, f"mpc.integral.gain={gain}")[0]["metrics"] for gain in (0.2, 0.0))
