@@ -80,3 +80,16 @@ def test_what_goes_wrong_is_told(host: Path, arguments: dict[str, list[str]]) ->
     *others, _, output = arguments["Imu"]
     with pytest.raises(AssertionError, match="cycle 0: no fault after a refused call"):
         run(host, 1, [*others, output, output])
+
+
+def test_a_package_that_is_missing_costs_steps_and_not_the_host(
+    host: Path, arguments: dict[str, list[str]], tmp_path: Path
+) -> None:
+    """The planner in an interpreter without casadi: the host sees a discarded step, stops for it, and ends in peace."""
+    (tmp_path / "casadi.py").write_text("raise ModuleNotFoundError(\"No module named 'casadi'\", name='casadi')\n")
+    line = [str(host), "3", *arguments["RecedingHorizonPlanner"]]
+    variables = foreign() | {"PYTHONPATH": str(tmp_path)}
+    done = subprocess.run(line, env=variables, capture_output=True, text=True, timeout=120, check=False)
+    assert (done.returncode, done.stderr) == (1, "")
+    assert "RecedingHorizonPlanner" in done.stdout
+    assert done.stdout.endswith("cycle 0: no step\n")
