@@ -2,13 +2,16 @@
 
 e = (e_s, e_n, e_v, e_beta, e_psi, e_omega, e_delta), w = u - u_r, both about the nodes of the reference:
 
-    e_{k+1} = Phi_k e_k + Gamma_k w_k + c_k,   c_k = Phi(x_r,k, u_r,k) - x_r,k+1 + (integral of exp(A t)) d
+    e_{k+1} = Phi_k e_k + Gamma_k w_k + c_k
 
-A, B are the Jacobians of the car halfway between two nodes, turned with the path; c holds what the reference lacks to
-be a motion of the car, and the estimated disturbance d (rates of e, none of the steering).
+A, B are the Jacobians of the car halfway between two nodes, turned with the path. c makes the prediction exact for the
+car that is beside the reference by (e*, w*), the steady state under the disturbance d (rates of e, none of the
+steering): it holds d, and what the reference lacks to be a motion of the car.
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import casadi as ca
 
@@ -22,8 +25,10 @@ from fmus.double_track.data import DoubleTrackCar
 from fmus.single_track.forces import STATES
 
 N_X, N_U = len(STATES), len(INPUTS)
-_LARGEST_TARGET = ca.DM([10.0, 0.2, 0.2, 0.2, 1.0])  # e_v, e_beta, e_psi, e_delta, e_omega
-_LARGEST_FORCE = 1e4
+_LARGEST = ca.DM([0.2, 0.2, 1e4])  # rad, rad, N: of steady sideslip, steering angle and force of a side
+_ROUNDS = 3
+Rate = Callable[[ca.SX, ca.SX], ca.SX]
+"""(e, w) -> x' (7)."""
 
 
 def function() -> ca.Function:
@@ -34,9 +39,16 @@ def function() -> ca.Function:
     u_r = reference_input(car, lag, node, after)
     A, B = jacobians(car, lag, node, after, u_r)
     Phi, held = zero_order_hold(A, PERIOD)
-    c = defect(car, lag, node, after, u_r) + held @ ca.vertcat(d, 0)
-    e, w = target(A, B, d, node)
-    found = [Phi, held @ B, ca.densify(c), u_r, e, w]
+    Gamma = held @ B
+    middle = 0.5 * (node + after)
+
+    def f(e: ca.SX, w: ca.SX) -> ca.SX:
+        return rate(car, lag, state(middle) + e, u_r + w, loading(middle))
+
+    e, w = target(f, A, B, node[3], d)
+    c = passing(car, lag, (node, after), u_r + w, e, d) - Phi @ e - Gamma @ w
+    c[6] = 0  # known exactly
+    found = [Phi, Gamma, ca.densify(c), u_r, e, w]
     return ca.Function("linearise", [p.column, node, after, d], ca.cse(found))
 
 
@@ -71,17 +83,18 @@ def jacobians(car: DoubleTrackCar, lag: ca.SX, node: ca.SX, after: ca.SX, u_r: c
     return A, B
 
 
-def defect(car: DoubleTrackCar, lag: ca.SX, node: ca.SX, after: ca.SX, u_r: ca.SX) -> ca.SX:
-    """What the car started on the node is beside the next node after one period (7), by the Runge-Kutta method."""
-    middle = 0.5 * (node + after)
-    loads = {0: loading(node), 0.5: loading(middle), 1: loading(after)}
-    found = advance(lambda x, part: rate(car, lag, x, u_r, loads[part]), state(node), u_r[0], lag, PERIOD)
-    place = turned(after[:2] - node[:2], node[2])
+def passing(car: DoubleTrackCar, lag: ca.SX, nodes: tuple[ca.SX, ca.SX], inputs: ca.SX, e: ca.SX, d: ca.SX) -> ca.SX:
+    """The errors (7) after one period of the car that starts with the errors e (e_s = e_n = 0), under d (6)."""
+    node, after = nodes
+    loads: dict[float, ca.SX] = {0: loading(node), 0.5: loading(0.5 * (node + after)), 1: loading(after)}
+    unexplained = ca.vertcat(d, 0)
+    start = state(node) + e
+    found = advance(lambda x, part: rate(car, lag, x, inputs, loads[part]) + unexplained, start, inputs[0], lag, PERIOD)
     turn = after[2] - node[2]
-    wanted = state(after)
-    rest = found[2:] - wanted[2:]
-    rest[2] -= turn
-    return ca.vertcat(turned(found[:2] - place, turn), rest[:4], 0)
+    place = turned(after[:2] - node[:2], node[2])
+    beside = found[2:] - state(after)[2:]
+    beside[2] -= turn
+    return ca.vertcat(turned(found[:2] - place, turn), beside)
 
 
 def turned(vector: ca.SX, angle: ca.SX) -> ca.SX:
@@ -90,23 +103,25 @@ def turned(vector: ca.SX, angle: ca.SX) -> ca.SX:
     return ca.vertcat(c * vector[0] + s * vector[1], c * vector[1] - s * vector[0])
 
 
-def target(A: ca.SX, B: ca.SX, d: ca.SX, node: ca.SX) -> tuple[ca.SX, ca.SX]:
+def target(f: Rate, A: ca.SX, B: ca.SX, v: ca.SX, d: ca.SX) -> tuple[ca.SX, ca.SX]:
     """Errors (7) and inputs (3) at rest under the disturbance d (6), with e_s = e_n = 0 and equal sides.
 
-    e_v = -d_s and e_omega = -d_psi; sideslip, steering angle and force solve the rows of v', beta', omega_z';
-    e_psi = -d_n/v - e_beta.
+    e_v = -d_s, e_omega = -d_psi and e_psi = -d_n/v - e_beta; sideslip, steering angle and force solve the rows v',
+    beta', omega_z' of f(e, w) + d = f(0, 0) by Newton's method with the Jacobians of the prediction.
     """
-    e_v, e_omega = -d[0], -d[4]
-    rows, columns = [2, 3, 5], [3, 6]
-    M = ca.horzcat(ca.densify(A[rows, columns]), ca.densify(B[rows, 1] + B[rows, 2]))
-    given = A[rows, 2] * e_v + A[rows, 5] * e_omega + d[rows]
-    e_beta, e_delta, force = ca.vertsplit(-_solve3(M, ca.densify(given)))
-    v = ca.fmax(node[3], SLOWEST)
-    e_v, e_beta, e_psi, e_delta, e_omega = ca.vertsplit(
-        _clip(ca.vertcat(e_v, e_beta, -d[1] / v - e_beta, e_delta, e_omega), _LARGEST_TARGET)
-    )
-    force = _clip(force, _LARGEST_FORCE)
-    return ca.vertcat(0, 0, e_v, e_beta, e_psi, e_omega, e_delta), ca.vertcat(e_delta, force, force)
+    rows = [2, 3, 5]
+    unmoved = f(ca.SX.zeros(N_X), ca.SX.zeros(N_U))
+    M = ca.horzcat(ca.densify(A[rows, [3, 6]]), ca.densify(B[rows, 1] + B[rows, 2]))
+    y = ca.SX.zeros(3)
+    for _ in range(_ROUNDS):
+        y = _clip(y - _solve3(M, (f(*_steady(y, v, d)) - unmoved)[rows] + d[rows]), _LARGEST)
+    return _steady(y, v, d)
+
+
+def _steady(y: ca.SX, v: ca.SX, d: ca.SX) -> tuple[ca.SX, ca.SX]:
+    e_beta, e_delta, force = ca.vertsplit(y)
+    e_psi = _clip(-d[1] / ca.fmax(v, SLOWEST), 0.2) - e_beta
+    return ca.vertcat(0, 0, -d[0], e_beta, e_psi, -d[4], e_delta), ca.vertcat(e_delta, force, force)
 
 
 def _solve3(M: ca.SX, b: ca.SX) -> ca.SX:

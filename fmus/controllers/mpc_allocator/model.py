@@ -18,6 +18,10 @@ DERIVED = Layout()
 Values = dict[str, ca.MX]
 _INPUTS = INTERFACE.names("input")
 _OUTPUTS = INTERFACE.names("output")
+_BUS, _ESTIMATE, _MOTORS = (
+    [slot for slot, name in enumerate(_INPUTS) if name.startswith(groups)]
+    for groups in (("reference.", "preview["), ("estimate.",), ("motor_available.",))
+)
 _ABSURD = 1e9  # beyond it a number on an input is no measurement
 
 
@@ -55,9 +59,12 @@ def sample(p: ca.MX, u: ca.MX, x: Values) -> tuple[Values, Values]:
     get = parameter(p)
     Ts, timeout = get("sample_period"), get("trajectory.timeout")
     finite = ca.fabs(u) <= _ABSURD
-    usable, u = ca.mmin(finite), ca.if_else(finite, u, 0)
-    ref = reference(p, u, x, usable)
-    seen, e, near = _observe(p, u, x, ref.nodes[:, 0], usable)
+    u = ca.if_else(finite, u, 0)
+    routed, sighted, told = (ca.mmin(finite[slots]) for slots in (_BUS, _ESTIMATE, _MOTORS))
+    usable = routed * sighted * told
+    ref = reference(p, u, x, routed)
+    seen, e, near = _observe(p, u, x, ref.nodes[:, 0], (sighted, usable))
+    seen["motors"] = ca.if_else(told, u[_MOTORS], x["motors"])
     car, wheels = seen["car"], (x["acceleration"], seen["motors"], x["forces"])
     first, later, step, reach = limits.function()(p, car, *wheels, x["command"], Ts)
     u_r, found, tracking = programs.predict(p, x, ref.nodes, near, seen["disturbance"], (first, later, step))
@@ -95,15 +102,16 @@ def sample(p: ca.MX, u: ca.MX, x: Values) -> tuple[Values, Values]:
     return after, y | {"solver.status": usable * tracking.status}
 
 
-def _observe(p: ca.MX, u: ca.MX, x: Values, node: ca.MX, usable: ca.MX) -> tuple[Values, ca.MX, ca.MX]:
-    """States of the car, errors and limited errors; without usable inputs the states of the sample before."""
-    Ts, learning = parameter(p)("sample_period"), x["known"] * usable
+def _observe(p: ca.MX, u: ca.MX, x: Values, node: ca.MX, known: tuple[ca.MX, ca.MX]) -> tuple[Values, ca.MX, ca.MX]:
+    """States of the car, errors and limited errors; `known`: is the estimate usable, are all inputs."""
+    sighted, usable = known
     before = (x["car"], x["forces"], x["acceleration"], x["command"], x["disturbance"])
-    car, e, near, d, acceleration = observe.function()(p, u, node, *before, learning, Ts)
-    motors = ca.vertcat(*(u[_INPUTS.index(f"motor_available.{wheel}")] for wheel in WHEELS))
-    found = {"car": car, "disturbance": d, "acceleration": acceleration, "motors": motors, "gap": e[0]}
-    seen = {name: ca.if_else(usable, value, x[name]) for name, value in found.items()}
-    return seen | {"known": usable}, ca.if_else(usable, e, 0), ca.if_else(usable, near, 0)
+    flags = (sighted, x["known"] * usable, parameter(p)("sample_period"))
+    car, e, near, d, acceleration = observe.function()(p, u, node, *before, *flags)
+    e, near = ca.if_else(usable, e, 0), ca.if_else(usable, near, 0)
+    gap = ca.if_else(usable, e[0], x["gap"])
+    seen = {"car": car, "known": usable, "disturbance": d, "acceleration": acceleration, "gap": gap}
+    return seen, e, near
 
 
 def _starts(tracking: programs.Solved, shares: programs.Solved) -> Values:

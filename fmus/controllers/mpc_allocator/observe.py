@@ -14,38 +14,46 @@ from __future__ import annotations
 import casadi as ca
 
 from fmukit.kernel import Signals, symbols
-from fmus.controllers.mpc_allocator.design_car import SLOWEST, STANDSTILL, advance, design_car, steered, wheel_rate
+from fmus.controllers.mpc_allocator.design_car import SLOWEST, STANDSTILL, advance, design_car, wheel_rate
 from fmus.controllers.mpc_allocator.horizon import NODE
 from fmus.controllers.mpc_allocator.interface import INTERFACE
-from fmus.controllers.mpc_allocator.linearise import N_X, turned
+from fmus.controllers.mpc_allocator.linearise import N_X, loading, turned
 
 LARGEST_ERROR = ca.DM([5.0, 2.0, 10.0, 0.5, 0.8, 2.0, 0.6])
 """Errors beyond these (m, m, m/s, rad, rad, rad/s, rad) are taken as these: what is absurd stays solvable."""
+LARGEST_STATE = ca.DM([1e9, 1e9, 200.0, 1.6, 1e9, 50.0, 2.0])
 LARGEST_DISTURBANCE = ca.DM([2.0, 2.0, 5.0, 1.0, 1.0, 10.0])
+_OUTLIER = 5.0  # of these: more in one sample is a jump of the estimate, nothing to learn from
 
 
 def function() -> ca.Function:
-    """(p, u, node, x before (7), forces (4), accelerations (2) and command then, d, learning, Ts)
+    """(p, u, node, x before (7), forces (4), accelerations (2) and command then, d, sighted, learning, Ts)
     -> x (7), e (7), e within its limits (7), d, accelerations.
 
-    `learning` is 0 to keep d; e_delta is the error of the angle the steering has by its lag.
+    Not `sighted`, x is what the model makes of the x before. `learning` is 0 to keep d. e_delta is the error of the
+    angle the steering has by its lag.
     """
     p, u = symbols(INTERFACE, "parameter"), symbols(INTERFACE, "input")
     node, before, U = ca.SX.sym("node", len(NODE)), ca.SX.sym("before", N_X), ca.SX.sym("U", 4)
     a, command, d = ca.SX.sym("a", 2), ca.SX.sym("command"), ca.SX.sym("d", N_X - 1)
-    learning, Ts = ca.SX.sym("learning"), ca.SX.sym("Ts")
+    sighted, learning, Ts = ca.SX.sym("sighted"), ca.SX.sym("learning"), ca.SX.sym("Ts")
     car, lag = design_car(p), p["actuator.steer_lag"]
-    x = measured(u, steered(before[6], command, lag, Ts))
     unexplained = ca.vertcat(turned(d[:2], -node[2]), d[2:], 0)
-    guess = advance(lambda state, _: wheel_rate(car, state, U, a)[0] + unexplained, before, command, lag, Ts)
+
+    def motion(state: ca.SX, _: float) -> ca.SX:
+        return wheel_rate(car, state, U, loading(node))[0] + unexplained
+
+    guess = advance(motion, before, command, lag, Ts)
+    x = _clip(ca.if_else(sighted, measured(u, guess[6]), guess), LARGEST_STATE)
     moving = ca.fmin(ca.fmax((x[2] - STANDSTILL) / (SLOWEST - STANDSTILL), 0), 1)
     missed = path_frame(x - guess, node)[:6] / Ts
     learnt = d + moving * p["integral.gain"] * missed
-    d_now = ca.if_else(learning, _clip(learnt, LARGEST_DISTURBANCE), d)
+    plausible = ca.mmax(ca.fabs(missed) / LARGEST_DISTURBANCE) <= _OUTLIER
+    d_now = ca.if_else(ca.logic_and(learning, plausible), _clip(learnt, LARGEST_DISTURBANCE), d)
     d_now = ca.if_else(p["integral.gain"] > 0, d_now, 0)
     e = errors(x, node)
     _, acceleration = wheel_rate(car, x, U, a)
-    arguments = [p.column, u.column, node, before, U, a, command, d, learning, Ts]
+    arguments = [p.column, u.column, node, before, U, a, command, d, sighted, learning, Ts]
     return ca.Function("observe", arguments, ca.cse([x, e, _clip(e, LARGEST_ERROR), moving * d_now, acceleration]))
 
 
