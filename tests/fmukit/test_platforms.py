@@ -15,6 +15,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import demo_filter
+import demo_programs
 import demo_spring
 import numpy as np
 import pe_file
@@ -94,6 +95,23 @@ def test_zigs_linux_library_runs_on_old_systems(zig_everywhere: None, tmp_path: 
 
 @pytest.mark.nightly
 @needs_zig
+@pytest.mark.skipif(sys.platform == "win32", reason="compares Linux libraries")
+def test_quadratic_programs_by_clang_and_by_the_compiler_here_give_the_same_bits(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    here, there = tmp_path / "here.so", tmp_path / "zig.so"
+    here.write_bytes(_compiled(demo_programs.COMPONENT, "linux64"))
+    zig = (sys.executable, "-m", "ziglang", "cc", "-target", "x86_64-linux-gnu.2.28")
+    monkeypatch.setattr(compiler, "command", lambda platform: zig)
+    there.write_bytes(_compiled(demo_programs.COMPONENT, "linux64"))
+    assert here.read_bytes() != there.read_bytes()
+    found = [_run_here(path, demo_programs.COMPONENT, 50) for path in (here, there)]
+    np.testing.assert_array_equal(*found)
+    assert np.count_nonzero(found[0]) > 50
+
+
+@pytest.mark.nightly
+@needs_zig
 def test_builds_for_both_platforms_are_identical(zig_everywhere: None, tmp_path: Path) -> None:
     for component in (demo_spring.COMPONENT, CATALOGUE[1]):
         one, other = (build(component, tmp_path / name, ["linux64", "win64"]) for name in ("one", "another/place"))
@@ -108,8 +126,11 @@ def _buffer(component: Component, size: int) -> np.ndarray:
     buffer = np.zeros(size)
     starts = [0.0 if v.type == "String" else float(v.start) for v in component.interface.variables]
     buffer[: len(starts)] = starts
+    inputs = len(component.interface.select("parameter"))
     if component.interface.kind == "continuous":
-        buffer[len(component.interface.select("parameter"))] = 300.0  # the first motor's torque
+        buffer[inputs] = 300.0  # the first motor's torque
+    if component is demo_programs.COMPONENT:
+        buffer[inputs : inputs + 2] = 2.5, 1.0  # a sum beyond some limits, a target away
     return buffer
 
 
@@ -139,7 +160,7 @@ def driver(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.nightly
 @needs_zig
 @needs_wine
-@pytest.mark.parametrize("component", CATALOGUE[:4], ids=lambda c: c.interface.name)
+@pytest.mark.parametrize("component", [*CATALOGUE[:4], demo_programs.COMPONENT], ids=lambda c: c.interface.name)
 def test_windows_library_under_wine_gives_the_numbers_of_linux(
     component: Component, driver: Path, tmp_path: Path
 ) -> None:
