@@ -100,6 +100,7 @@ class Script:
         self._parameters = _slots(about, "parameter")
         self._inputs = _slots(about, "input")
         self._outputs = [port.name for slot, port in _slots(about, "output") if slot != about.fault]
+        self._names = frozenset(self._outputs)
         self._y = slice(about.fault - len(self._outputs), about.fault)
         self._d = slice(len(about.ports), len(about.ports) + about.program.derived)
         self._x = slice(self._d.stop, about.size)
@@ -146,8 +147,8 @@ class Script:
 
     def _take(self, y: Mapping[str, float], x: Sequence[float], d: Sequence[float] | None = None) -> int:
         """Take the results over into the buffer when all are there and finite."""
-        if y.keys() != set(self._outputs):
-            raise LookupError(f"outputs missing or unknown: {', '.join(sorted(y.keys() ^ set(self._outputs)))}")
+        if y.keys() != self._names:
+            raise LookupError(f"outputs missing or unknown: {', '.join(sorted(y.keys() ^ self._names))}")
         results = [(self._y, [y[name] for name in self._outputs]), (self._x, x)]
         results += [] if d is None else [(self._d, d)]
         taken = [(where, array("d", values)) for where, values in results]
