@@ -53,12 +53,15 @@ class PythonKernel:
     packages: Mapping[str, str] = field(default_factory=lambda: {"casadi": "3.7"})
 
 
-def nlp_functions(nlp: dict[str, ca.SX] | dict[str, ca.MX]) -> tuple[ca.Function, ...]:
+def nlp_functions(
+    nlp: dict[str, ca.SX] | dict[str, ca.MX], derivatives: Mapping[str, ca.Function] | None = None
+) -> tuple[ca.Function, ...]:
     """The functions of a library for `casadi.nlpsol(name, "ipopt", path, options)`: the NLP and its derivatives.
 
-    The options given there must have `calc_lam_p` False, as here. A library holds one NLP.
+    The options given there must have `calc_lam_p` False, as here. A library holds one NLP. `derivatives`: options
+    `jac_g` and `hess_lag` with functions better than those CasADi would make.
     """
-    solver = ca.nlpsol("nlp_solver", "ipopt", nlp, _OPTIONS)
+    solver = ca.nlpsol("nlp_solver", "ipopt", nlp, {**_OPTIONS, **(derivatives or {})})
     return (solver.oracle(), *(solver.get_function(name) for name in solver.get_function()))
 
 

@@ -70,10 +70,14 @@ def flags(platform: str) -> tuple[str, ...]:
     return (*_FLAGS, *(_LINUX if platform == "linux64" else ()))
 
 
-def run(folder: Path, platform: str, units: Sequence[str] = ("shim.c",)) -> bytes:
-    """Compile the `units` in `folder` into a shared library and return it. Names are relative: no path gets into it."""
+def run(folder: Path, platform: str, units: Sequence[str] = ("shim.c",), extra: Sequence[str] = ()) -> bytes:
+    """Compile the `units` in `folder` into a shared library and return it. Names are relative: no path gets into it.
+
+    `extra` flags come last and so prevail.
+    """
     library = PLATFORMS[platform]
-    line = [*command(platform), *flags(platform), "-o", library, *units, *(("-lm",) if platform == "linux64" else ())]
+    libraries = ("-lm",) if platform == "linux64" else ()
+    line = [*command(platform), *flags(platform), *extra, "-o", library, *units, *libraries]
     done = subprocess.run(line, cwd=folder, capture_output=True, text=True, check=False)
     made = folder / library
     if done.returncode or not made.is_file():

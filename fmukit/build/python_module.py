@@ -19,6 +19,8 @@ from fmukit.build.errors import BuildError
 from fmukit.python_kernel import PythonKernel
 
 FOLDER = "model"
+_FLAGS = ("-O1",)
+"""The derivatives of an NLP are long straight code, on which -O2 may spend minutes and gigabytes for nothing."""
 
 
 def modules(kernel: PythonKernel) -> dict[str, Path]:
@@ -99,7 +101,7 @@ def _relative(name: str, node: ast.ImportFrom) -> Iterator[str]:
 def library(kernel: PythonKernel, name: str, platform: str) -> Path:
     """One library of the kernel, from the cache or compiled now."""
     text = _code(kernel.libraries[name])
-    key = blake2b("\n".join([text, compiler.identity(platform)]).encode(), digest_size=10).hexdigest()
+    key = blake2b("\n".join([text, compiler.identity(platform), *_FLAGS]).encode(), digest_size=10).hexdigest()
     path = cache_folder() / f"library-{key}" / f"{name}{Path(compiler.PLATFORMS[platform]).suffix}"
     if not path.is_file():
         archive.write(path, _compiled(text, platform))
@@ -118,4 +120,4 @@ def _compiled(text: str, platform: str) -> bytes:
     with tempfile.TemporaryDirectory(prefix="fmukit-") as name:
         folder = Path(name)
         (folder / "functions.c").write_text(f"#define GCC_HASCLASSVISIBILITY\n{text}", "utf-8")
-        return compiler.run(folder, platform, ("functions.c",))
+        return compiler.run(folder, platform, ("functions.c",), _FLAGS)

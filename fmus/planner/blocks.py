@@ -31,31 +31,37 @@ class Shots:
     weights: ca.MX
 
 
-def shots(vehicle: Vehicle, s: Symbols, steps: ca.MX | ca.DM, substeps: int) -> Shots:
-    """The gaps of all m intervals; `steps` (3, m) lead from each node's frame to the next, see `Gates.steps`."""
+def shots(vehicle: Vehicle, s: Symbols, steps: ca.MX | ca.DM, substeps: int, constants: ca.MX | None = None) -> Shots:
+    """The gaps of all m intervals; `steps` (3, m) lead from each node's frame to the next, see `Gates.steps`.
+
+    `constants` are given to the vehicle's f as its last argument.
+    """
     n, m = s.X.shape[0], s.U.shape[1]
     f = _scaled(vehicle)
     exact = derivatives(f, substeps)
     turn = _turn(vehicle, exact.first.sparsity_out(0))
     arguments = s.X[:, :-1], s.U, ca.repmat(s.T, 1, m // s.T.numel())
+    given = [] if constants is None else [ca.repmat(constants, 1, m)]
     mu = ca.MX.sym("mu", n * m)
-    slopes = turn.slope.map(m)(exact.first.map(m)(*arguments), steps)
-    bends = exact.second.map(m)(*arguments, turn.weight.map(m)(ca.reshape(mu, n, m), steps))
+    slopes = turn.slope.map(m)(exact.first.map(m)(*arguments, *given), steps)
+    bends = exact.second.map(m)(*arguments, turn.weight.map(m)(ca.reshape(mu, n, m), steps), *given)
     columns, count = _columns(s), s.column.numel()
     ahead = ca.DM.triplet(range(n * m), range(n, n * (m + 1)), ca.DM.ones(n * m), n * m, count)
     rows = np.arange(n * m).reshape(m, n)
     return Shots(
-        ca.vec(turn.end.map(m)(interval(f, substeps).map(m)(*arguments), steps) - s.X[:, 1:]),
+        ca.vec(turn.end.map(m)(interval(f, substeps).map(m)(*arguments, *given), steps) - s.X[:, 1:]),
         _scattered(slopes, turn.slope.sparsity_out(0), rows, columns, (n * m, count)) - ahead,
         _scattered(bends, exact.second.sparsity_out(0), columns, columns, (count, count)),
         mu,
     )
 
 
-def with_derivatives(nlp: dict[str, Any], s: Shots) -> dict[str, ca.Function]:
-    """Options `jac_g` and `hess_lag` of CasADi's solvers for a program whose constraints begin with the gaps."""
+def with_derivatives(nlp: dict[str, Any], s: Shots, rest: ca.MX) -> dict[str, ca.Function]:
+    """Options `jac_g` and `hess_lag` of CasADi's solvers for a program whose constraints are the gaps and the `rest`.
+
+    The rest is not cut out of all of them: CasADi would differentiate its way through the gaps again.
+    """
     w, p, f, g = (nlp[name] for name in ("x", "p", "f", "g"))
-    rest = g[s.gaps.numel() :]
     weight, weights = ca.MX.sym("lam_f"), ca.MX.sym("lam_g", rest.numel())
     others = ca.triu(ca.hessian(weight * f + ca.dot(weights, rest), w)[0])
     jacobian = ca.vertcat(s.jacobian, ca.jacobian(rest, w))
@@ -99,8 +105,9 @@ def _turn(vehicle: Vehicle, pattern: ca.Sparsity) -> _Turn:
 def _scaled(vehicle: Vehicle) -> ca.Function:
     """f in scaled states and inputs."""
     X, U = ca.SX.sym("X", len(vehicle.scale)), ca.SX.sym("U", len(vehicle.input_scale))
+    c = [ca.SX.sym("c", vehicle.f.size1_in(2))] if vehicle.f.n_in() > 2 else []
     scale, input_scale = ca.DM(vehicle.scale), ca.DM(vehicle.input_scale)
-    return ca.Function("scaled", [X, U], [ca.cse(vehicle.f(scale * X, input_scale * U) / scale)])
+    return ca.Function("scaled", [X, U, *c], [ca.cse(vehicle.f(scale * X, input_scale * U, *c) / scale)])
 
 
 def _columns(s: Symbols) -> Index:

@@ -27,13 +27,14 @@ def program(vehicle: Vehicle, gates: Gates, ends: Ends, *, substeps: int, smooth
     own = limits(vehicle, s)
     turn = s.X[2:, -1] - s.X[2:, 0] if gates.closed else ca.MX(0, 1)
     side = s.X[1, -1] - s.X[1, 0] if gates.closed else ca.MX(0, 1)
-    g = ca.vertcat(gaps.gaps, side, turn, own)
+    rest = ca.vertcat(side, turn, own)
+    g = ca.vertcat(gaps.gaps, rest)
     nlp = {"x": s.column, "f": ca.sum2(s.T) + smoothing * roughness(s), "g": g, "p": ca.vec(steps)}
     lower, upper = _bounds(vehicle, gates, ends)
     free = np.zeros(g.numel())
     least = np.concatenate([np.zeros(g.numel() - own.numel()), np.full(own.numel(), -np.inf)])
     return Program(
-        nlp, lower, upper, least, free, gates.steps.ravel(), gates.frames, vehicle, m, with_derivatives(nlp, gaps)
+        nlp, lower, upper, least, free, gates.steps.ravel(), gates.frames, vehicle, m, with_derivatives(nlp, gaps, rest)
     )
 
 

@@ -90,7 +90,12 @@ class Program:
 def decision(vehicle: Vehicle, m: int, lengths: int) -> Symbols:
     """Fresh variables for m intervals with `lengths` (1 or m) free interval lengths."""
     n, n_u = len(vehicle.scale), len(vehicle.input_scale)
-    column = ca.MX.sym("w", n * (m + 1) + n_u * m + lengths)
+    return decided(ca.MX.sym("w", n * (m + 1) + n_u * m + lengths), vehicle, m)
+
+
+def decided(column: ca.MX, vehicle: Vehicle, m: int) -> Symbols:
+    """The parts of a column of decision variables for m intervals."""
+    n, n_u = len(vehicle.scale), len(vehicle.input_scale)
     X, U, T = ca.vertsplit(column, [0, n * (m + 1), n * (m + 1) + n_u * m, column.numel()])
     X, U = ca.reshape(X, n, m + 1), ca.reshape(U, n_u, m)
     x, u = ca.diag(ca.DM(vehicle.scale)) @ X, ca.diag(ca.DM(vehicle.input_scale)) @ U

@@ -43,7 +43,8 @@ def _substep(f: ca.Function) -> ca.Function:
 class Derivatives:
     """Of the end x+ of an interval in y = (x, u, T), of size n_y.
 
-    `first` (x, u, T) -> dx+/dy (n, n_y); `second` (x, u, T, mu) -> upper triangle of d2(mu' x+)/dy2 (n_y, n_y).
+    `first` (x, u, T) -> dx+/dy (n, n_y); `second` (x, u, T, mu) -> upper triangle of d2(mu' x+)/dy2 (n_y, n_y). Both
+    take the constants of f, if it has some, as their last argument.
     """
 
     first: ca.Function
@@ -53,10 +54,11 @@ class Derivatives:
 def derivatives(f: ca.Function, substeps: int) -> Derivatives:
     """First and second derivatives of `interval(f, substeps)`, chained from those of one substep."""
     x, u, T, mu = (ca.MX.sym("y", size) for size in (f.size1_in(0), f.size1_in(1), 1, f.size1_in(0)))
+    constants = [ca.MX.sym("c", f.size1_in(2))] if f.n_in() > 2 else []
     step, h = sensitivity.step(f), T / substeps
     states, slopes = [x], []
     for _ in range(substeps):
-        end, slope = step.first(states[-1], u, h)
+        end, slope = step.first(states[-1], u, h, *constants)
         states.append(end)
         slopes.append(slope)
     rules = _rules(step)
@@ -65,14 +67,14 @@ def derivatives(f: ca.Function, substeps: int) -> Derivatives:
         totals.append(rules.chained(slope, totals[-1]))
     H, weight = ca.MX(*step.second.size_out(0)), mu
     for j in reversed(range(substeps)):
-        own = step.second(states[j], u, h, weight)
+        own = step.second(states[j], u, h, weight, *constants)
         H = H + (rules.bent(totals[j - 1], own) if j else own)
         weight = rules.pulled(slopes[j], weight)
     scale = ca.DM.ones(f.size1_in(0) + f.size1_in(1) + 1)
     scale[-1] = 1 / substeps
     return Derivatives(
-        ca.Function("first_derivative", [x, u, T], [totals[-1] @ ca.diag(scale)]),
-        ca.Function("second_derivative", [x, u, T, mu], [ca.diag(scale) @ H @ ca.diag(scale)]),
+        ca.Function("first_derivative", [x, u, T, *constants], [totals[-1] @ ca.diag(scale)]),
+        ca.Function("second_derivative", [x, u, T, mu, *constants], [ca.diag(scale) @ H @ ca.diag(scale)]),
     )
 
 

@@ -20,15 +20,14 @@ def program(vehicle: Vehicle, road: Corridor, m: int, ends: Ends, *, substeps: i
     gaps = shots(vehicle, s, ca.DM.zeros(3, m), substeps)
     beside = _beside(road).map(m + 1)(s.x[0, :], s.x[1, :])
     own = limits(vehicle, s)
-    g = ca.vertcat(gaps.gaps, ca.vec(beside), own)
+    rest = ca.vertcat(ca.vec(beside), own)
+    g = ca.vertcat(gaps.gaps, rest)
     nlp = {"x": s.column, "f": m * s.T + smoothing * roughness(s), "g": g, "p": ca.MX(0, 1)}
     lower, upper = _bounds(vehicle, road, m, ends)
     equalities = gaps.gaps.numel()
     least = np.concatenate([np.zeros(equalities), np.full(g.numel() - equalities, -np.inf)])
-    frames = np.zeros((m + 1, 3))
-    return Program(
-        nlp, lower, upper, least, np.zeros(g.numel()), np.zeros(0), frames, vehicle, 1, with_derivatives(nlp, gaps)
-    )
+    frames, exact = np.zeros((m + 1, 3)), with_derivatives(nlp, gaps, rest)
+    return Program(nlp, lower, upper, least, np.zeros(g.numel()), np.zeros(0), frames, vehicle, 1, exact)
 
 
 def _beside(road: Corridor) -> ca.Function:

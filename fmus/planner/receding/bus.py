@@ -51,6 +51,6 @@ def onward(start: Array, rate: float, bend: float, t: Array) -> Array:
     s = v * moving - 0.5 * rate * moving**2
     speed, chord = np.maximum(v - rate * moving, 0.0), s * np.sinc(bend * s / 2 / np.pi)
     middle = course + bend * s / 2
-    slowing = np.where(moving < t, 0.0, -rate)
+    slowing = np.where(speed > 0, -rate, 0.0)
     columns = x + chord * np.cos(middle), y + chord * np.sin(middle), course + bend * s, speed, slowing
     return np.column_stack([*columns, np.full(len(t), bend)])

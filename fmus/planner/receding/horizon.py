@@ -67,18 +67,19 @@ def fastest(horizon: int, p: Mapping[str, Any], road: Road, gate: int) -> Array:
     """
     accept, braking = int(p["horizon.accept"]), p["speed.braking"]
     seen = max(int(p["road.sight"] / road.spacing), horizon) + 1
-    left = road.last - gate + 1
+    left = max(road.last - gate + 1, 1)
     ends = not road.closed and left <= seen
-    count = max(left, horizon + accept + 1) if ends else max(seen, horizon + 1)
-    curvature = road.curvatures(gate, count)
-    v = profile(curvature, road.spacing, p["speed.lateral"], braking, p["end.speed"] if ends else SLOWEST)
+    count = left if ends else seen
+    end = p["end.speed"] if ends else SLOWEST
+    v = profile(road.curvatures(gate, count), road.spacing, p["speed.lateral"], braking, end)
+    v = np.concatenate([v, np.full(max(horizon + accept + 1 - count, 0), v[-1])])
     bounds = np.full(horizon + 1, p["limit.speed"])
-    bounds[horizon] = v[horizon]
-    after = v[min(horizon + accept, count - 1)]
-    bounds[accept] = min(bounds[accept], within_horizon(after, horizon * road.spacing, braking))
     if ends:
-        bounds[max(left - 1, 0) :] = np.minimum(bounds[max(left - 1, 0) :], p["end.speed"])
-    return np.minimum(bounds, p["limit.speed"])
+        bounds[left - 1 :] = np.minimum(bounds[left - 1 :], end)
+    next_start = within_horizon(v[horizon + accept], horizon * road.spacing, braking)
+    bounds[accept] = min(bounds[accept], next_start)
+    bounds[horizon] = min(bounds[horizon], v[horizon])
+    return bounds
 
 
 def _hard(tools: Tools, p: Mapping[str, Any], ahead: Ahead, tail: Tail) -> Found:

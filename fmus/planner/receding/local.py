@@ -6,29 +6,32 @@ problem are parameters, so that one compiled library serves every road, car and 
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from typing import Any
 
 import casadi as ca
 
-from fmus.planner.receding.layout import (
-    AHEAD,
-    CAR,
-    CONSTANTS,
-    HORIZON,
-    INPUT_SCALE,
-    INPUTS,
-    SCALE,
-    STATES,
-    WEIGHTS,
-)
+from fmus.planner.blocks import Shots, shots, with_derivatives
+from fmus.planner.program import Symbols, decided, decision
+from fmus.planner.receding.layout import AHEAD, CAR, CONSTANTS, HORIZON, INPUTS, SCALE, STATES, WEIGHTS
 from fmus.planner.shooting import interval
+from fmus.planner.vehicle import two_wheel_drive
 from fmus.single_track import model
-from fmus.single_track.data import Car, of
+from fmus.single_track.data import Car, car, of
 
-SUBSTEPS = 2
+SUBSTEPS = 4
+"""Below about 10 m/s the yaw motion is so fast that the method of Runge and Kutta needs shorter steps."""
 
 
-def problem(horizon: int = HORIZON) -> dict[str, Any]:
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """`nlp` and the options `derivatives` of CasADi's solvers for it."""
+
+    nlp: dict[str, Any]
+    derivatives: dict[str, ca.Function]
+
+
+def problem(horizon: int = HORIZON) -> Problem:
     """The NLP of `horizon` intervals.
 
     x: scaled states (7 x N+1), scaled inputs (3 x N), interval lengths (N), lateral slack of nodes 1..N [m] and slack
@@ -36,23 +39,47 @@ def problem(horizon: int = HORIZON) -> dict[str, Any]:
     at the last gate, constants of the car. g: gaps (7 x N), course and yaw rate at the last node relative to the road.
     """
     N = horizon
-    X, U, T = ca.MX.sym("X", STATES, N + 1), ca.MX.sym("U", INPUTS, N), ca.MX.sym("T", 1, N)
-    side, fast = ca.MX.sym("side", 1, N), ca.MX.sym("fast")
+    vehicle = replace(two_wheel_drive(car()), f=_derivative())
     steps, before, weights = ca.MX.sym("steps", 3, N), ca.MX.sym("before", INPUTS), ca.MX.sym("weights", len(WEIGHTS))
     kappa, c = ca.MX.sym("kappa"), ca.MX.sym("c", CONSTANTS)
-    slack = ca.vertcat(ca.MX(1, N + 1), ca.horzcat(0, side), ca.horzcat(ca.MX(1, N), fast), ca.MX(STATES - 3, N + 1))
-    x, u = ca.diag(ca.DM(SCALE)) @ X + slack, ca.diag(ca.DM(INPUT_SCALE)) @ U
-    gaps = _gap().map(N)(x[:, :-1], u, T, x[:, 1:], steps, ca.repmat(c, 1, N))
-    changes = U - ca.horzcat(before / ca.DM(INPUT_SCALE), U[:, :-1])
-    cost = ca.sum2(T) + weights[0] * ca.sumsqr(changes) + weights[1] * (ca.sumsqr(side) + fast**2)
-    last = x[:, -1]
+    S = _softening(N)
+    w = ca.MX.sym("w", S.size2())
+    s = decision(vehicle, N, N)
+    gaps = _softened(shots(vehicle, s, steps, SUBSTEPS, c), s, S, w, [steps, c])
+    whole = decided(S @ w, vehicle, N)
+    slack = w[S.size1() :]
+    changes = whole.U - ca.horzcat(before / ca.DM(vehicle.input_scale), whole.U[:, :-1])
+    last = whole.x[:, -1]
     ends = ca.vertcat(last[3] + last[4], last[5] - kappa * last[2])
-    return {
-        "x": ca.veccat(X, U, T, side, fast),
-        "f": cost,
-        "g": ca.vertcat(ca.vec(gaps), ends),
+    nlp = {
+        "x": w,
+        "f": ca.sum2(whole.T) + weights[0] * ca.sumsqr(changes) + weights[1] * ca.sumsqr(slack),
+        "g": ca.vertcat(gaps.gaps, ends),
         "p": ca.veccat(steps, before, weights, kappa, c),
     }
+    return Problem(nlp, with_derivatives(nlp, gaps, ends))
+
+
+def _softening(N: int) -> ca.DM:
+    """From all decision variables to those of a problem without slacks: the slacks move lateral positions and speed."""
+    count = (STATES * (N + 1)) + (INPUTS + 1) * N
+    lateral = [STATES * k + 1 for k in range(1, N + 1)]
+    columns = range(count, count + N + 1)
+    moves = ca.DM.triplet(
+        [*lateral, STATES * N + 2], columns, ca.DM([1 / SCALE[1]] * N + [1 / SCALE[2]]), count, count + N + 1
+    )
+    return ca.horzcat(ca.DM.eye(count), ca.DM(count, N + 1)) + moves
+
+
+def _softened(gaps: Shots, s: Symbols, S: ca.DM, w: ca.MX, given: list[ca.MX]) -> Shots:
+    """The gaps and their derivatives in w, where the decision variables are S w; both depend on what is `given`."""
+    at, mu = S @ w, gaps.weights
+    plain = ca.Function("plain", [s.column, *given], [gaps.gaps, gaps.jacobian])
+    bent = ca.Function("bent", [s.column, mu, *given], [gaps.hessian])
+    value, jacobian = plain(at, *given)
+    triangle = bent(at, mu, *given)
+    full = triangle + triangle.T - ca.diag(ca.diag(triangle))
+    return Shots(value, jacobian @ S, ca.triu(S.T @ full @ S), mu)
 
 
 def motion() -> ca.Function:
@@ -76,15 +103,3 @@ def _derivative() -> ca.Function:
 def _car(c: ca.SX) -> Car:
     """The car of the constants; forces act on it, so the wheel radius is of no account."""
     return of({**dict(zip(CAR, ca.vertsplit(c[: len(CAR)]), strict=True)), "wheel.radius": 0.0})
-
-
-def _gap() -> ca.Function:
-    """(x, u, T, next x, step to the next gate, c) -> scaled difference of the end of the interval and the next x."""
-    x, u, T, c = ca.MX.sym("x", STATES), ca.MX.sym("u", INPUTS), ca.MX.sym("T"), ca.MX.sym("c", CONSTANTS)
-    following, step = ca.MX.sym("next", STATES), ca.MX.sym("step", 3)
-    end = interval(_derivative(), SUBSTEPS)(x, u, T, c)
-    away, cos, sin = end[:2] - step[:2], ca.cos(step[2]), ca.sin(step[2])
-    local = ca.vertcat(
-        cos * away[0] + sin * away[1], cos * away[1] - sin * away[0], end[2:4], end[4] - step[2], end[5:]
-    )
-    return ca.Function("gap", [x, u, T, following, step, c], [(local - following) / ca.DM(SCALE)])

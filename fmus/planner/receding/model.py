@@ -11,10 +11,11 @@ from fmus.planner.receding.road import DERIVED
 
 def kernel(horizon: int = HORIZON) -> PythonKernel:
     """The kernel, with local problems of `horizon` intervals."""
+    local = problem(horizon)
     return PythonKernel(
         "fmus.planner.receding.run",
         states=size(horizon),
         derived=DERIVED,
-        libraries={"local": nlp_functions(problem(horizon)), "motion": (motion(),)},
+        libraries={"local": nlp_functions(local.nlp, local.derivatives), "motion": (motion(),)},
         packages={"casadi": "3.7", "numpy": "2.0"},
     )

@@ -58,7 +58,8 @@ def compiled(horizon: int = HORIZON) -> Tools:
 
 def interpreted(horizon: int = HORIZON) -> Tools:
     """Solver and motion evaluated by CasADi's virtual machine."""
-    return tools(ca.nlpsol("local", "ipopt", problem(horizon), OPTIONS), motion())
+    local = problem(horizon)
+    return tools(ca.nlpsol("local", "ipopt", local.nlp, OPTIONS | local.derivatives), motion())
 
 
 def drive(tools: Tools, p: Mapping[str, Any], table: Sequence[Sequence[float]] = (), most: int = 1000) -> Drive:
