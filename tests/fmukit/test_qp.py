@@ -158,6 +158,23 @@ def test_a_start_that_is_not_finite_is_never_given_back(small: QpSolver) -> None
     np.testing.assert_array_equal(_column(found["y"]), [0.0, 1.0])
 
 
+def test_whatever_the_numbers_results_are_finite_and_leave_no_trace(small: QpSolver) -> None:
+    rng = np.random.default_rng(11)
+    strange = [0.0, 1.0, -1.0, 1e300, -1e300, 1e-300, 1e30, 1e31, 5e-324, 1e8, -1e8, np.nan, np.inf, -np.inf]
+    before = _solve(small, _two(), [0.3, 0.1], [0.2, -0.1], 0.7)
+    seen = set()
+    for _ in range(1500):
+        arguments = [rng.normal(size=small.function.size1_in(i)) for i in range(8)]
+        for argument in arguments:
+            chosen = rng.random(len(argument)) < 0.15
+            argument[chosen] = rng.choice(strange, chosen.sum())
+        found = small.function.call([ca.DM(argument) for argument in (*arguments, 0)])
+        assert all(np.isfinite(value.full()).all() for value in found)
+        seen.add(int(found[3]))
+    assert seen >= {1, -1, -2, -3, -4}
+    assert _same(_solve(small, _two(), [0.3, 0.1], [0.2, -0.1], 0.7), before)
+
+
 def test_too_few_iterations_are_told() -> None:
     solver = qp_solver(
         "test_few",
