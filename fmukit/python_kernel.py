@@ -30,6 +30,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import casadi as ca
 
@@ -61,7 +62,8 @@ def nlp_functions(
     The options given there must have `calc_lam_p` False, as here. A library holds one NLP. `derivatives`: options
     `jac_g` and `hess_lag` with functions better than those CasADi would make.
     """
-    solver = ca.nlpsol("nlp_solver", "ipopt", nlp, {**_OPTIONS, **(derivatives or {})})
+    options: dict[str, Any] = {**_OPTIONS, **(derivatives or {})}
+    solver = ca.nlpsol("nlp_solver", "ipopt", nlp, options)
     return (solver.oracle(), *(solver.get_function(name) for name in solver.get_function()))
 
 

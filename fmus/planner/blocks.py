@@ -56,12 +56,13 @@ def shots(vehicle: Vehicle, s: Symbols, steps: ca.MX | ca.DM, substeps: int, con
     )
 
 
-def with_derivatives(nlp: dict[str, Any], s: Shots, rest: ca.MX) -> dict[str, ca.Function]:
+def with_derivatives(nlp: dict[str, Any], s: Shots, rest: ca.MX | None = None) -> dict[str, ca.Function]:
     """Options `jac_g` and `hess_lag` of CasADi's solvers for a program whose constraints are the gaps and the `rest`.
 
-    The rest is not cut out of all of them: CasADi would differentiate its way through the gaps again.
+    Give the rest: cut out of all constraints, CasADi may differentiate its way through the gaps again.
     """
     w, p, f, g = (nlp[name] for name in ("x", "p", "f", "g"))
+    rest = g[s.gaps.numel() :] if rest is None else rest
     weight, weights = ca.MX.sym("lam_f"), ca.MX.sym("lam_g", rest.numel())
     others = ca.triu(ca.hessian(weight * f + ca.dot(weights, rest), w)[0])
     jacobian = ca.vertcat(s.jacobian, ca.jacobian(rest, w))
