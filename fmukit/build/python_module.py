@@ -14,7 +14,7 @@ from pathlib import Path
 import casadi as ca
 
 from fmukit.build import archive, compiler
-from fmukit.build.cache import cache_folder, prune
+from fmukit.build.cache import cache_folder, check_writable, prune
 from fmukit.build.errors import BuildError
 from fmukit.python_kernel import PythonKernel
 
@@ -104,6 +104,7 @@ def library(kernel: PythonKernel, name: str, platform: str) -> Path:
     key = blake2b("\n".join([text, compiler.identity(platform), *_FLAGS]).encode(), digest_size=10).hexdigest()
     path = cache_folder() / f"library-{key}" / f"{name}{Path(compiler.PLATFORMS[platform]).suffix}"
     if not path.is_file():
+        check_writable(path.parent)
         archive.write(path, _compiled(text, platform))
         prune(path.parent)
     return path
