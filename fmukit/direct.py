@@ -71,7 +71,7 @@ class Direct:
         self._outputs = {name: i for i, name in enumerate(self.interface.names("output"))}
         padded, rows = self._padded(table)
         results = self.kernel.initialise(self.p, self.u, self._normals(0), padded, rows)
-        self.d, self.x, self.y = (np.asarray(result.full()).ravel() for result in results)
+        self.d, self.x, self.y = map(_flat, results)
 
     def set(self, values: Mapping[str, float]) -> None:
         """Set inputs by name; unknown names raise KeyError."""
@@ -90,7 +90,7 @@ class Direct:
         t = self.samples * (period or self.interface.step)
         self.samples += 1
         x, y = self.kernel.step(self.p, self.d, self.u, self.x, self._normals(self.samples), t)
-        self.x, self.y = x.full().ravel(), y.full().ravel()
+        self.x, self.y = _flat(x), _flat(y)
 
     def advance(self, duration: float) -> None:
         """Integrate a continuous component over `duration` [s] with inputs held."""
@@ -118,6 +118,10 @@ class Direct:
 def substeps(duration: float, longest: float) -> int:
     """How many equal substeps no longer than `longest` make up `duration`; rounding noise adds none."""
     return max(1, math.ceil(duration / longest * (1.0 - 1e-9)))
+
+
+def _flat(result: ca.DM | np.ndarray) -> np.ndarray:
+    return result if isinstance(result, np.ndarray) else np.asarray(result.full()).ravel()
 
 
 def _start(interface: Interface, causality: str, overrides: Mapping[str, Value]) -> np.ndarray:

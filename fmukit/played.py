@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Mapping
 from importlib import import_module
 from typing import Any
 
-import casadi as ca
 import numpy as np
 
 from fmukit.build.compiler import host_platform
@@ -26,18 +26,19 @@ class Played:
         self._outputs, self._columns = interface.names("output"), len(interface.table.columns) if interface.table else 0
         self._overrides = overrides
 
-    def initialise(self, *arguments: Any) -> tuple[ca.DM, ca.DM, ca.DM]:
+    def initialise(self, *arguments: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(p, u, w, table, rows) -> (d, x, y), without noise."""
         p, u, _, table, rows = arguments
-        cells = [table.full()[:, k].tolist() for k in range(int(rows))]
+        cells = table.full()[:, : int(rows)].T.tolist()
         d, x, y = self._module.initialise(self._tools, self._named(p), self._given(u), cells)
-        return ca.DM(d), ca.DM(x), self._ordered(y)
+        return np.array(d, dtype=float), np.array(x, dtype=float), self._ordered(y)
 
-    def step(self, *arguments: Any) -> tuple[ca.DM, ca.DM]:
+    def step(self, *arguments: Any) -> tuple[np.ndarray, np.ndarray]:
         """(p, d, u, x, w, t) -> (x, y), without noise."""
         p, d, u, x, _, t = arguments
-        x_next, y = self._module.sample(self._tools, self._named(p), d.tolist(), self._given(u), x.tolist(), t)
-        return ca.DM(x_next), self._ordered(y)
+        given = array("d", d.tobytes()), self._given(u), array("d", x.tobytes())
+        x_next, y = self._module.sample(self._tools, self._named(p), *given, t)
+        return np.array(x_next, dtype=float), self._ordered(y)
 
     def _named(self, p: np.ndarray) -> dict[str, Value]:
         return {v.name: self._typed(v, float(value)) for v, value in zip(self._parameters, p, strict=True)}
@@ -52,5 +53,5 @@ class Played:
     def _given(self, u: np.ndarray) -> dict[str, float]:
         return dict(zip(self._inputs, u.tolist(), strict=True))
 
-    def _ordered(self, y: Mapping[str, float]) -> ca.DM:
-        return ca.DM([float(y[name]) for name in self._outputs])
+    def _ordered(self, y: Mapping[str, float]) -> np.ndarray:
+        return np.array([y[name] for name in self._outputs], dtype=float)
