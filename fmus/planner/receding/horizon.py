@@ -18,8 +18,8 @@ from .speed import SLOWEST, profile, within_horizon
 
 TAIL, SOFT, BRAKE = 1, 2, 3
 """Fallbacks: the rest of the last problem, a softened problem, braking to a stop."""
-_SETTLED = np.array([0.01, 0.02, 0.01])
-"""Sideslip [rad], yaw rate [rad/s] and steering angle [rad] of a car that goes straight on."""
+_SETTLED = np.array([0.01, 0.02, 0.01, 0.01])
+"""Sideslip [rad], yaw rate [rad/s], steering angle and course to the road [rad] of a car that goes straight on."""
 _NO_TAIL = Tail(np.zeros((0, 7)), np.zeros((0, 3)), np.zeros(0))
 
 
@@ -97,7 +97,9 @@ def _accepted(p: Mapping[str, Any], road: Road, plan: Plan, found: Found) -> Pla
     left = road.last - plan.gate
     ends = not road.closed and left <= k
     if ends:
-        settled = [j for j in range(max(left, 1), len(nodes.T)) if np.all(np.abs(nodes.x[j, [3, 5, 6]]) <= _SETTLED)]
+        course = nodes.x[:, 3] + nodes.x[:, 4] - road.frames[-1, 2]
+        straight = np.all(np.abs(np.column_stack([nodes.x[:, [3, 5, 6]], course])) <= _SETTLED, axis=1)
+        settled = [j for j in range(max(left, 1), len(nodes.T)) if straight[j]]
         k = settled[0] if settled else len(nodes.T)
     tail = Tail(nodes.x[k + 1 :], nodes.u[k:], nodes.T[k:])
     plan = replace(_joined(road, plan, Tail(nodes.x[1 : k + 1], nodes.u[:k], nodes.T[:k])), tail=tail)

@@ -5,6 +5,8 @@ from __future__ import annotations
 HORIZON = 8
 """N, the intervals of one local problem; the problem is compiled for it."""
 
+SUBSTEPS = 4
+"""Steps of the integrator per interval."""
 STATES, INPUTS = 7, 3
 SCALE = (10.0, 1.0, 10.0, 0.1, 0.1, 0.3, 0.1)
 INPUT_SCALE = (0.5, 5e3, 5e3)

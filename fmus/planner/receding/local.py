@@ -13,14 +13,11 @@ import casadi as ca
 
 from fmus.planner.blocks import Shots, shots, with_derivatives
 from fmus.planner.program import Symbols, decided, decision
-from fmus.planner.receding.layout import AHEAD, CAR, CONSTANTS, HORIZON, INPUTS, SCALE, STATES, WEIGHTS
+from fmus.planner.receding.layout import AHEAD, CAR, CONSTANTS, HORIZON, INPUTS, SCALE, STATES, SUBSTEPS, WEIGHTS
 from fmus.planner.shooting import interval
 from fmus.planner.vehicle import two_wheel_drive
 from fmus.single_track import model
 from fmus.single_track.data import Car, car, of
-
-SUBSTEPS = 4
-"""Below about 10 m/s the yaw motion is so fast that the method of Runge and Kutta needs shorter steps."""
 
 
 @dataclass(frozen=True, slots=True)

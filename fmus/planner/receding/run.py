@@ -15,15 +15,19 @@ from numpy.typing import NDArray
 from . import memory, road
 from .bus import outputs, states
 from .horizon import planned_until
-from .layout import AHEAD, PERIOD
+from .layout import AHEAD, HORIZON, PERIOD, SUBSTEPS
 from .memory import CAPACITY, PLANNING, Plan, Record
 from .replan import restarted
 from .search import OPTIONS, Tools, tools
-from .speed import SLOWEST
+from .speed import SLOWEST, profile
 
 Values = Mapping[str, Any]
 Column = NDArray[np.float64]
 _PREVIEW = (AHEAD - 1) * PERIOD
+_STABLE = 2.78
+"""Largest product of damping and step for which the Runge-Kutta method of order four is stable."""
+_LEEWAY = 0.8
+"""The car is faster than the profile where it cuts curves (engineering choice)."""
 
 
 def prepare(libraries: Mapping[str, str]) -> Tools:
@@ -79,11 +83,38 @@ def _check(tools: Tools, p: Values, way: road.Road) -> None:
         )
     if p["horizon.accept"] > tools.horizon or p["horizon.accept"] != int(p["horizon.accept"]):
         raise ValueError(f"horizon.accept = {p['horizon.accept']:g} must be a whole number up to {tools.horizon}")
+    _check_speeds(p, way)
     most = p["limit.speed"] * (_PREVIEW + 2 * p["sample_period"]) / way.spacing + 2 * tools.horizon + 2
     if most > CAPACITY:
         raise ValueError(
             f"a plan may need {most:.0f} nodes, but there is room for {CAPACITY}; "
             "give a larger road.spacing, a smaller limit.speed or a shorter sample_period"
+        )
+
+
+def _check_speeds(p: Values, way: road.Road) -> None:
+    """Raise ValueError where the road is too slow for its gates: the integration between them would not be stable.
+
+    The yaw motion dies out with (l_F^2 C_F + l_R^2 C_R)/(I_zz v) [1/s]; a substep takes spacing/(SUBSTEPS v).
+    """
+    arm = [p[f"design.geometry.{axle}_axle"] for axle in ("front", "rear")]
+    stiffness = [
+        np.prod([p[f"design.tyre.{axle}.{name}"] for name in ("stiffness_factor", "shape_factor", "peak")])
+        for axle in ("front", "rear")
+    ]
+    damping = sum(a**2 * c for a, c in zip(arm, stiffness, strict=True)) / p["design.body.inertia.z"]
+    per_metre = _LEEWAY * damping / (_STABLE * SUBSTEPS)
+    v = profile(way.curvature, way.spacing, p["speed.lateral"], p["speed.braking"], p["end.speed"])
+    k = int(np.argmin(v))
+    if v[k] ** 2 < per_metre * way.spacing:
+        raise ValueError(
+            f"{k * way.spacing:.0f} m along it the road is driven at about {v[k]:.1f} m/s, too slow for gates "
+            f"{way.spacing:.1f} m apart; give a road.spacing of at most {v[k] ** 2 / per_metre:.1f} m"
+        )
+    horizon = way.spacing * HORIZON
+    if p["road.sight"] < horizon + way.spacing * per_metre / (2 * p["speed.braking"]):
+        raise ValueError(
+            f"road.sight = {p['road.sight']:g} m is too short for a horizon of {horizon:.0f} m; give a longer one"
         )
 
 
