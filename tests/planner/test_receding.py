@@ -253,7 +253,7 @@ def played():
 
 def test_bus_is_one_motion_over_all_joints(played) -> None:
     """Numerical derivatives of what is sent every 20 ms: no jump of position, course or speed anywhere."""
-    t, now = played
+    _, now = played
     now = {name: now[f"reference.{name}"] for name in ("x", "y", "course", "speed", "acceleration", "curvature")}
     step = 0.02
     assert np.abs(np.diff(now["speed"])).max() < 12 * step and np.abs(np.diff(now["course"])).max() < 2 * step

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import astuple
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -68,7 +69,7 @@ def test_gates_go_on_beyond_the_end_and_around() -> None:
     np.testing.assert_allclose(beyond.frames[:, 0], [80, 90, 100, 110, 120, 130], atol=1e-9)
     ring = road.read(offline.parameters({"road.closed": True}), wide(loop()))
     once, twice = ring.gates(0, 5), ring.gates(ring.last, 5)
-    np.testing.assert_allclose(twice.frames, once.frames + [0, 0, 2 * np.pi], atol=1e-9)
+    np.testing.assert_allclose(twice.frames, once.frames + np.array([0, 0, 2 * np.pi]), atol=1e-9)
     before = ring.gates(-2, 4)
     np.testing.assert_allclose(np.diff(before.frames[:, 2]), ring.turn / ring.last, rtol=1e-3)
     np.testing.assert_allclose(ring.curvature, 1 / 40, rtol=2e-3)
@@ -190,7 +191,6 @@ def test_narrow_place_is_named(tmp_path) -> None:
 
 
 def test_shipped_file_is_a_road_for_the_offline_planner(tmp_path) -> None:
-    from pathlib import Path
 
     found = read_road(Path(road.__file__).with_name("built_in.csv"))
     assert len(found.points) == 139
