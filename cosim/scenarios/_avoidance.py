@@ -25,6 +25,9 @@ SETTINGS = {
     "friction": NumberSetting(1.0, 0.3, 1.0, "1", "friction of the road, which the car knows"),
     "width": NumberSetting(2.0, 0.1, 7.0, "m", "width of the obstacle in the middle of the car's lane"),
 }
+_USED = 0.85
+"""Part of the friction within which the wheel forces stay; MpcAllocator does not know that a longitudinal force takes
+from the lateral one (engineering choice, enough for 8 m/s2)."""
 _TRUTH = {"estimate.": "", "estimate.yaw_rate": "angular_rate.z"}
 _WHEELS = ("fl", "fr", "rl", "rr")
 
@@ -74,7 +77,9 @@ def loop(settings: Settings) -> System:
     system = System()
     system.add("plant", "DoubleTrack", {"tyre.combined_slip": True, **{f"road_friction.{w}": mu for w in _WHEELS}})
     system.add("reference", "ReferenceTrajectory", {"trajectory_file": str(trajectory_file(settings))})
-    system.add("mpc", "MpcAllocator", {"limit.force": 5000.0, "limit.power": 1e6, "limit.friction": mu, **_tyres(mu)})
+    system.add(
+        "mpc", "MpcAllocator", {"limit.force": 5000.0, "limit.power": 1e6, "limit.friction": _USED * mu, **_tyres(mu)}
+    )
     system.connect("reference", "mpc")
     system.connect("plant", "mpc", _TRUTH)
     system.connect("mpc", "plant")
@@ -83,10 +88,10 @@ def loop(settings: Settings) -> System:
 
 def _tyres(mu: float) -> dict[str, float]:
     """What MpcAllocator assumes of the tyres on this road."""
-    from fmus.planner.evasion.car import on_road  # noqa: PLC0415
+    from fmus.planner.evasion.car import with_grip  # noqa: PLC0415
     from fmus.single_track.data import car  # noqa: PLC0415
 
-    here = on_road(car(), mu)
+    here = with_grip(car(), mu)
     return {
         f"design.tyre.{axle}.{name}": value
         for axle, tyre in (("front", here.front), ("rear", here.rear))

@@ -24,15 +24,15 @@ FRONT, REAR, STEERING_RATE = (-6e3, 0.0), (-4e3, 5e3), 0.5
 
 
 def motion(car: Car) -> ca.Function:
-    """f(x, w) -> x', w = (omega_delta, U_F, U_R, mu): on friction mu peaks are mu D, factors B/mu, grip mu F_z."""
-    x, w = ca.SX.sym("x", len(STATES)), ca.SX.sym("w", len(model.INPUTS) + 1)
-    x_dot = model.derivative(on_road(car, w[3]), x, w[:3], w[3])
-    return ca.Function("evading", [x, w], [ca.cse(x_dot)], ["x", "w"], ["x_dot"])
+    """f(x, u, mu) -> x': on friction mu the peaks are mu D, the factors B/mu, the grip mu F_z."""
+    x, u, mu = ca.SX.sym("x", len(STATES)), ca.SX.sym("u", len(model.INPUTS)), ca.SX.sym("mu")
+    x_dot = model.derivative(with_grip(car, mu), x, u, mu)
+    return ca.Function("evading", [x, u, mu], [ca.cse(x_dot)], ["x", "u", "mu"], ["x_dot"])
 
 
-def on_road(car: Car, mu: Any) -> Car:
-    """The car on friction `mu`, a number or a symbol; the slip stiffness keeps."""
-    return replace(car, front=_on_road(car.front, mu), rear=_on_road(car.rear, mu))
+def with_grip(car: Car, part: Any) -> Car:
+    """The car with this `part` of its lateral peaks, a number or a symbol; the slip stiffness keeps."""
+    return replace(car, front=_with_grip(car.front, part), rear=_with_grip(car.rear, part))
 
 
 def input_limits(mu: float, means: Means) -> tuple[Array, Array]:
@@ -47,12 +47,12 @@ def input_limits(mu: float, means: Means) -> tuple[Array, Array]:
 
 def evading_car(car: Car, mu: float, means: Means, slowest: float = 0.0) -> Vehicle:
     """The car for the planner, on friction `mu`, never slower than `slowest` [m/s]."""
-    vehicle = two_wheel_drive(on_road(car, mu), friction=mu)
+    vehicle = two_wheel_drive(with_grip(car, mu), friction=mu)
     (low, high), lower, upper = input_limits(mu, means), vehicle.lower.copy(), vehicle.upper.copy()
     lower[2], lower[3], upper[3] = max(lower[2], slowest), -SIDESLIP, SIDESLIP
     idle = np.clip(np.zeros(3), low, high)
     return replace(vehicle, lower=lower, upper=upper, input_lower=low, input_upper=high, idle=idle)
 
 
-def _on_road(tyre: Tyre, mu: Any) -> Tyre:
-    return replace(tyre, B=tyre.B / mu, D=tyre.D * mu)
+def _with_grip(tyre: Tyre, part: Any) -> Tyre:
+    return replace(tyre, B=tyre.B / part, D=tyre.D * part)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fmus.planner import hocp
-from fmus.planner.evasion.car import Means, evading_car
+from fmus.planner.evasion.car import Means, evading_car, with_grip
 from fmus.planner.evasion.situation import Encounter, Surroundings
 from fmus.planner.gates import Array, Gates, checked
 from fmus.planner.hocp import Plan, Settings
@@ -19,6 +19,8 @@ _BEFORE, _AFTER = 30, 45
 _SETTLE = 2.6
 """Time [s] at the first speed in which the car is straight again; the last points allow 2.4 s."""
 _SMOOTHING = 1e-3
+_GRIP = 0.96
+"""Part of the tyres' lateral grip that a plan uses; the controller that follows it has the rest (engineering choice)."""
 _SLOWEST = 0.4
 """Part of its speed that the car keeps; keeps the search from plans that nearly stop (engineering choice)."""
 
@@ -61,12 +63,13 @@ def road(encounter: Encounter, surroundings: Surroundings) -> EvasionRoad:
 
 def ends(speed: float, lane: float) -> Ends:
     """Straight in the middle of the own lane, then straight in the middle of the other one."""
-    return Ends(np.array([0, 0, speed, 0, 0, 0, 0]), np.array([0, lane, np.nan, 0, 0, 0, 0]))
+    return Ends(np.array([0.0, 0, speed, 0, 0, 0, 0]), np.array([0.0, lane, np.nan, 0, 0, 0, 0]))
 
 
 def lane_change(encounter: Encounter, means: Means, surroundings: Surroundings, data: Car | None = None) -> Plan:
     """The plan; raises PlanningError when there is none. Evaluated in one way, so that its digits always agree."""
-    vehicle = evading_car(data or car(), encounter.friction, means, slowest=_SLOWEST * encounter.speed)
+    gripping = with_grip(data or car(), _GRIP)
+    vehicle = evading_car(gripping, encounter.friction, means, slowest=_SLOWEST * encounter.speed)
     settings = Settings(compile=False, smoothing=_SMOOTHING)
     way, both = road(encounter, surroundings), ends(encounter.speed, surroundings.lane)
     start = _at_constant_speed(way, encounter.speed, surroundings.lane)

@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import casadi as ca
 import numpy as np
 
 from fmus.planner import compiled
+from fmus.planner.blocks import shots, with_derivatives
 from fmus.planner.errors import PlanningError
 from fmus.planner.evasion.car import Means, input_limits, motion
 from fmus.planner.gates import Array
 from fmus.planner.program import Nodes, Program, decision, roughness, scaled
-from fmus.planner.shooting import interval
 from fmus.planner.vehicle import Vehicle, two_wheel_drive
 from fmus.single_track.data import Car, car
 
 _SUBSTEPS = 2
-_SMOOTHING = 1e-4
+_SMOOTHING, _HASTE = 1e-4, 1e-3
+"""Weights of the changes of the inputs and of the time back, beside the distance in units of 10 m."""
 _WITHOUT_EDGE, _WITH_EDGE = (40,), (30, 20)
 """Intervals up to the offset and, on a road with an edge, from there until the car is straight again."""
 _BACK = 2.2
@@ -68,19 +69,23 @@ class Search:
     """The program of one car, compiled once for all tasks with, or without, an edge."""
 
     def __init__(self, data: Car | None = None, *, edge: bool, compile_: bool = True) -> None:
-        self._car = data or car()
-        self._vehicle = two_wheel_drive(self._car)
+        data = data or car()
+        self._vehicle = replace(two_wheel_drive(data), f=motion(data))
         self._counts = _WITH_EDGE if edge else _WITHOUT_EDGE
-        self._program = _program(self._vehicle, motion(self._car), self._counts)
+        self._program = _program(self._vehicle, self._counts)
         self._solver = compiled.solver(self._program, _OPTIONS, compile_=compile_)
 
     def solve(self, task: Task) -> LastPoint:
         """The last point of the task; raises PlanningError when no motion of the car does it."""
         if (task.edge is not None) != (len(self._counts) == 2):
             raise PlanningError("a task with an edge needs a search with one")
+        if task.edge is not None and task.offset > task.edge:
+            raise PlanningError(
+                f"an offset of {task.offset:g} m is beyond the edge of the road, {task.edge:g} m; ask for less"
+            )
         lower, upper = self._bounds(task)
         call, limit = self._solver.call, self._program
-        x0 = np.clip(self._packed(self._guess(task)), lower, upper)
+        x0 = np.clip(limit.pack(self._guess(task)), lower, upper)
         weights = (1.0, 0.0) if task.within is None else (0.0, -1.0)
         found = call(x0=x0, lbx=lower, ubx=upper, lbg=limit.g_lower, ubg=limit.g_upper, p=[task.friction, *weights])
         stats = call.stats()
@@ -89,7 +94,7 @@ class Search:
                 f"no motion leads {task.offset:g} m to the side from {task.speed:g} m/s on friction "
                 f"{task.friction:g} (IPOPT: {stats['return_status']}); ask for less"
             )
-        nodes = self._nodes(found["x"].full().ravel())
+        nodes = limit.unpack(found["x"].full().ravel())
         reached = nodes.x[:2, self._counts[0]]
         return LastPoint(float(reached[0]), float(reached[1]), nodes, int(stats["iter_count"]))
 
@@ -109,14 +114,14 @@ class Search:
             low[1, turn:], high[1, 1:] = task.offset, task.edge
             low[3:, -1] = high[3:, -1] = 0.0
         least, most = input_limits(task.friction, task.means)
-        phases = len(self._counts)
-        return scaled(v, low, least, np.full(phases, _SHORTEST)), scaled(v, high, most, np.array(_LONGEST[:phases]))
+        longest = self._shared(np.array(_LONGEST[: len(self._counts)]))
+        return scaled(v, low, least, self._shared(_SHORTEST)), scaled(v, high, most, longest)
 
     def _guess(self, task: Task) -> Nodes:
         """A quadratic way to the side within the grip, a mirrored one back."""
         m, turn = sum(self._counts), self._counts[0]
         T = np.array([np.sqrt(2 * task.offset / (4.0 * task.friction)) + 0.2, _BACK])[: len(self._counts)]
-        steps = np.repeat(T / np.array(self._counts), self._counts)
+        steps = self._shared(T)
         times = np.concatenate([[0], np.cumsum(steps)])
         tau = np.concatenate([np.linspace(0, 1, turn + 1), np.linspace(1, 2, m - turn + 1)[1:]])
         x = np.zeros((7, m + 1))
@@ -124,20 +129,10 @@ class Search:
         x[1] = task.offset * np.where(tau < 1, tau**2, 1) + 0.1 * np.maximum(tau - 1, 0)
         return Nodes(x, np.zeros((3, m)), steps)
 
-    def _packed(self, nodes: Nodes) -> Array:
-        v = self._vehicle
-        parts = (nodes.x / v.scale[:, None]).ravel("F"), (nodes.u / v.input_scale[:, None]).ravel("F")
-        ends = np.cumsum(self._counts) - 1
-        return np.concatenate([*parts, nodes.T[ends] * self._counts])
-
-    def _nodes(self, w: Array) -> Nodes:
-        v, m = self._vehicle, sum(self._counts)
-        x, u, T = np.split(w, [7 * (m + 1), 10 * m + 7])
-        return Nodes(
-            x.reshape((7, m + 1), order="F") * v.scale[:, None],
-            u.reshape((3, m), order="F") * v.input_scale[:, None],
-            np.repeat(T / np.array(self._counts), self._counts),
-        )
+    def _shared(self, T: Array | float) -> Array:
+        """Lengths (m,) [s] of the intervals from the durations of the phases."""
+        counts = np.array(self._counts)
+        return np.repeat(T / counts, counts)
 
 
 @cache
@@ -146,17 +141,20 @@ def search(*, edge: bool, compile_: bool = True) -> Search:
     return Search(edge=edge, compile_=compile_)
 
 
-def _program(vehicle: Vehicle, f: ca.Function, counts: tuple[int, ...]) -> Program:
-    """Minimise w_x x + w_y y at the end of the first phase, with free durations; the parameters are mu, w_x, w_y."""
+def _program(vehicle: Vehicle, counts: tuple[int, ...]) -> Program:
+    """Minimise w_x x + w_y y at the end of the first phase, with free durations; the parameters are mu, w_x, w_y.
+
+    The intervals of a phase are equally long.
+    """
     m, p = sum(counts), ca.MX.sym("p", 3)
-    s = decision(vehicle, m, len(counts))
-    T = ca.horzcat(*(ca.repmat(s.T[k] / count, 1, count) for k, count in enumerate(counts)))
-    reached = interval(f, _SUBSTEPS).map(m)(s.x[:, :-1], ca.vertcat(s.u, ca.repmat(p[0], 1, m)), T)
-    gaps = ca.vec(ca.diag(1 / ca.DM(vehicle.scale)) @ reached - s.X[:, 1:])
+    s = decision(vehicle, m, m)
+    gaps = shots(vehicle, s, ca.DM.zeros(3, m), _SUBSTEPS, p[0])
+    phases = ca.horzsplit(s.T, [0, *np.cumsum(counts).tolist()])
+    equal = ca.horzcat(*(T[1:] - T[:-1] for T in phases))
     cost = ca.dot(p[1:], s.X[:2, counts[0]]) + _SMOOTHING * roughness(s)
     if len(counts) == 2:
-        cost += 1e-3 * s.T[1]
-    nlp = {"x": s.column, "f": cost, "g": gaps, "p": p}
-    zero = np.zeros(gaps.numel())
-    none = np.zeros(0)
-    return Program(nlp, none, none, zero, zero, none, np.zeros((m + 1, 3)), vehicle, len(counts))
+        cost += _HASTE * ca.sum2(phases[1])
+    nlp = {"x": s.column, "f": cost, "g": ca.vertcat(gaps.gaps, equal.T), "p": p}
+    zero, free = np.zeros(nlp["g"].numel()), np.full(s.column.numel(), np.inf)
+    frames = np.zeros((m + 1, 3))
+    return Program(nlp, -free, free, zero, zero, np.zeros(0), frames, vehicle, m, with_derivatives(nlp, gaps, equal.T))

@@ -90,7 +90,7 @@ def read(file: Path = FILE) -> Table:
         with file.open(newline="", encoding="utf-8") as source:
             header, *rows = list(csv.reader(source))
         table = _table(np.array([[float(cell) for cell in row] for row in rows]))
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, IndexError) as error:
         raise PlanningError(f"{file} is no table of last points ({error}); compute it anew") from error
     if tuple(header) != COLUMNS:
         raise PlanningError(f"{file} must begin with the line {','.join(COLUMNS)}")

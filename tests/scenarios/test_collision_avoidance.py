@@ -1,0 +1,151 @@
+"""An obstacle appears: each action driven on the real FMUs, and what the pictures and metrics are made of."""
+
+import numpy as np
+import pytest
+
+from cosim import scenarios
+from cosim.errors import CosimError
+from cosim.run import Request, run
+from cosim.scenarios import _avoidance_metrics
+from cosim.scenarios._rectangles import footprint, separation
+from fmus.planner.evasion.situation import Surroundings
+from fmus.planner.evasion.table import read
+
+NAME = "collision-avoidance"
+BRAKE = ("scenario.distance=50",)
+BOTH = ("scenario.distance=33.3",)
+NEITHER = ("scenario.distance=25",)
+
+
+def test_braking_stops_before_the_obstacle(scenario_run):
+    metrics = scenario_run(NAME, *BRAKE)[0]["metrics"]
+    assert metrics["decision"] == 0
+    assert metrics["stop_distance"] == pytest.approx(0.3 * 25 + 25**2 / 16, abs=0.2)
+    assert metrics["clearance_min"] == pytest.approx(50 - metrics["stop_distance"], abs=0.05)
+    assert (metrics["impact"], metrics["impact_speed"]) == (0, None)
+    assert metrics["lateral_error_max"] < 1e-6
+
+
+def test_steering_passes_the_obstacle(scenario_run):
+    metrics = scenario_run(NAME)[0]["metrics"]
+    assert metrics["decision"] == 1
+    assert metrics["distance_after_reaction"] == 40 - 0.3 * 25
+    assert metrics["last_point_to_steer"] < 32.5 < metrics["last_point_to_brake"]
+    assert metrics["clearance_min"] > 0.45 and metrics["road_margin_min"] > 0.2
+    assert metrics["lateral_error_max"] < 0.02
+    assert (metrics["impact"], metrics["stop_distance"], metrics["fallback_count"]) == (0, None, 0)
+
+
+def test_braking_and_steering_passes_it_nearer_and_slower(scenario_run):
+    (summary, results), (_, steered) = scenario_run(NAME, *BOTH), scenario_run(NAME)
+    metrics = summary["metrics"]
+    assert metrics["decision"] == 2
+    assert (
+        metrics["last_point_to_brake_and_steer"] < metrics["distance_after_reaction"] < metrics["last_point_to_steer"]
+    )
+    assert metrics["clearance_min"] > 0.45 and metrics["impact"] == 0
+    assert metrics["lateral_error_max"] < 0.05
+    assert metrics["road_margin_min"] > 0.1
+    assert results["plant.velocity.x"][-1] < steered["plant.velocity.x"][-1] - 0.5
+    assert results["mpc.wheel_torque.rl"].min() < 5 * steered["mpc.wheel_torque.rl"].min() < 0
+    assert np.abs(results["plant.acceleration.y"]).max() > 1.1 * np.abs(steered["plant.acceleration.y"]).max()
+
+
+def test_what_cannot_be_avoided_says_how_fast_it_was_hit(scenario_run):
+    summary, results = scenario_run(NAME, *NEITHER)
+    metrics = summary["metrics"]
+    assert metrics["decision"] == 3
+    assert (metrics["impact"], metrics["clearance_min"]) == (1, 0)
+    assert metrics["impact_speed"] == pytest.approx(metrics["impact_speed_expected"], abs=0.6)
+    assert metrics["impact_speed_expected"] == pytest.approx(np.sqrt(25**2 - 16 * 17.5))
+    nose = results["plant.position.x"] + 2.0
+    touched = int(np.argmax(nose >= 27.0))
+    assert metrics["impact_speed"] == pytest.approx(results["plant.velocity.x"][touched], abs=0.2)
+    assert results["plant.position.y"][touched] > 0.2, "the car steers although it will hit"
+
+
+def test_a_slippery_road(scenario_run):
+    metrics = scenario_run(NAME, "scenario.friction=0.3", "scenario.distance=62", "scenario.speed=30")[0]["metrics"]
+    assert metrics["decision"] == 1 and metrics["impact"] == 0
+    assert metrics["clearance_min"] > 0.45 and metrics["lateral_error_max"] < 0.05
+
+
+@pytest.mark.parametrize("assignments", [(), BRAKE, BOTH, NEITHER])
+def test_the_solvers_solve(scenario_run, assignments):
+    metrics = scenario_run(NAME, *assignments)[0]["metrics"]
+    assert metrics["mpc_unsolved"] == metrics["allocation_unsolved"] == metrics["fallback_count"] == 0
+
+
+def test_the_same_run_gives_the_same_bytes(tmp_path):
+    for folder in ("a", "b"):
+        summary, _ = run(Request(scenarios.load(NAME), tmp_path / folder, [("scenario.distance", "25")]))
+        assert summary["status"] == "ok"
+    assert (tmp_path / "a" / "results.parquet").read_bytes() == (tmp_path / "b" / "results.parquet").read_bytes()
+
+
+@pytest.mark.parametrize("assignments", [(), NEITHER])
+def test_the_picture_is_drawn(scenario_run, assignments, tmp_path):
+    _, results = scenario_run(NAME, *assignments)
+    scenarios.load(NAME).draw(results, tmp_path / "overview.png", "title")
+    assert (tmp_path / "overview.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "sentence"),
+    [
+        ("distance", "0", "scenario.distance = 0 m is outside its range 0.1 ... 300 m"),
+        ("distance", "nan", "scenario.distance = 'nan' is not a finite number"),
+        ("speed", "40", "scenario.speed = 40 m/s is outside its range 15 ... 35 m/s"),
+        ("width", "7.5", "scenario.width = 7.5 m is outside its range 0.1 ... 7 m"),
+        ("friction", "0", "scenario.friction = 0 is outside its range 0.3 ... 1"),
+    ],
+)
+def test_what_cannot_be_met(name, value, sentence, tmp_path):
+    with pytest.raises(CosimError) as error:
+        run(Request(scenarios.load(NAME), tmp_path, [(f"scenario.{name}", value)]))
+    assert sentence in str(error.value)
+
+
+def test_the_settings_are_within_the_table():
+    settings, table = scenarios.load(NAME).settings, read()
+    limits = [(settings[name].minimum, settings[name].maximum) for name in ("speed", "friction")]
+    assert limits == [(axis[0], axis[-1]) for axis in (table.speeds, table.frictions)]
+    assert settings["width"].maximum == Surroundings().road
+
+
+def test_car_and_obstacle_are_where_they_are(scenario_run):
+    _, results = scenario_run(NAME)
+    np.testing.assert_allclose(_avoidance_metrics.car(results)[0], [[2, 0.84], [-2.3, 0.84], [-2.3, -0.84], [2, -0.84]])
+    np.testing.assert_allclose(_avoidance_metrics.obstacle(results), [[46.5, 1], [42, 1], [42, -1], [46.5, -1]])
+    assert _avoidance_metrics.clearance(results)[0] == pytest.approx(40)
+
+
+def test_separation_by_sampling():
+    """Random rectangles against the least distance of many points on their edges, and of points within."""
+    rng = np.random.default_rng(0)
+    n = 300
+    places = rng.uniform(-4, 4, (2, n)), rng.uniform(-4, 4, (2, n)), rng.uniform(-3, 3, (2, n))
+    a, b = (footprint(*(p[i] for p in places), 2.0, 1.0, 1.5) for i in (0, 1))
+    found = np.array([separation(a[i : i + 1], b[i])[0] for i in range(n)])
+    s = np.linspace(0, 1, 60)[:, None]
+    for i in range(n):
+        edges = [np.vstack([(1 - s) * q[k] + s * q[k - 1] for k in range(4)]) for q in (a[i], b[i])]
+        nearest = np.linalg.norm(edges[0][:, None] - edges[1][None], axis=-1).min()
+        inside = any(_within(edges[j], (a, b)[1 - j][i]).any() for j in (0, 1))
+        expected = 0.0 if inside else nearest
+        assert found[i] == pytest.approx(expected, abs=0.06)
+    assert 0.2 < np.mean(found == 0) < 0.9
+    np.testing.assert_allclose(separation(a, b[0]), [separation(a[i : i + 1], b[0])[0] for i in range(n)])
+
+
+def _within(points, polygon):
+    edge = polygon - np.roll(polygon, -1, axis=0)
+    away = points[:, None] - polygon[None]
+    turn = edge[None, :, 0] * away[:, :, 1] - edge[None, :, 1] * away[:, :, 0]
+    return (turn > 0).all(axis=1) | (turn < 0).all(axis=1)
+
+
+def test_a_rectangle_beside_a_wide_one():
+    wide = footprint(np.zeros(1), np.zeros(1), np.zeros(1), 10.0, 10.0, 2.0)[0]
+    small = footprint(np.array([0.0, 0.0, 20.0, 13.0]), np.array([4.0, 1.2, 0.0, 5.0]), np.zeros(4), 1.0, 1.0, 2.0)
+    np.testing.assert_allclose(separation(small, wide), [2.0, 0.0, 9.0, np.hypot(2, 3)])
