@@ -20,7 +20,7 @@ _SETTLE = 2.6
 """Time [s] at the first speed in which the car is straight again; the last points allow 2.4 s."""
 _SMOOTHING = 1e-3
 _GRIP = 0.96
-"""Part of the tyres' lateral grip that a plan uses; the controller that follows it has the rest (engineering choice)."""
+"""Part of the tyres' lateral grip that a plan uses; the rest is for the controller (engineering choice)."""
 _SLOWEST = 0.4
 """Part of its speed that the car keeps; keeps the search from plans that nearly stop (engineering choice)."""
 
