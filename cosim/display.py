@@ -22,7 +22,8 @@ from cosim.scenario import Scenario
 _UNITS = {
     **dict.fromkeys(("lateral_", "longitudinal_", "position_", "corridor_"), "m"),
     **dict.fromkeys(("clearance_", "distance_", "last_point_", "road_margin_", "stop_distance"), "m"),
-    **{"speed_": "m/s", "impact_speed": "m/s", "saturation_": "s", "final_time": "s", "residual_force": "N", "residual_moment": "N.m"},
+    **{"speed_": "m/s", "impact_speed": "m/s", "saturation_": "s", "final_time": "s"},
+    **{"residual_force": "N", "residual_moment": "N.m"},
 }
 """Units of metrics by how their names begin."""
 _REFRESH = 0.1  # [s] of wall time between two updates of the progress bar
