@@ -11,9 +11,9 @@ from cosim.slave import Vector
 SOLVED = 1.0
 
 
-def mpc_metrics(results: Results) -> dict[str, float]:
+def mpc_metrics(results: Results, source: str = "reference") -> dict[str, float]:
     """Tracking, residuals of the distribution, and solvers; an error "after" a time is the largest from then on."""
-    e = tracking_errors(results)
+    e = tracking_errors(results, source)
     return {
         "lateral_error_max": peak(e.lateral),
         "lateral_error_rms": rms(e.lateral),

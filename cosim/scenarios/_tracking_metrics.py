@@ -54,21 +54,24 @@ def tracking_metrics(results: Results) -> dict[str, float]:
     }
 
 
-def tracking_errors(results: Results) -> TrackingErrors:
-    """e = R(chi_r)^T (p - p_r), e_v = |v| - v_r, e_chi = yaw + beta - chi_r wrapped."""
-    rows = results.instants("reference")
+def tracking_errors(results: Results, source: str = "reference") -> TrackingErrors:
+    """e = R(chi_r)^T (p - p_r), e_v = |v| - v_r, e_chi = yaw + beta - chi_r wrapped.
+
+    `source` is the instance that gives the reference.
+    """
+    rows = results.instants(source)
 
     def at(name: str) -> Vector:
         return results[name][rows]
 
-    course = at("reference.reference.course")
-    dx = at("plant.position.x") - at("reference.reference.x")
-    dy = at("plant.position.y") - at("reference.reference.y")
+    course = at(f"{source}.reference.course")
+    dx = at("plant.position.x") - at(f"{source}.reference.x")
+    dy = at("plant.position.y") - at(f"{source}.reference.y")
     return TrackingErrors(
         time=results.time[rows],
         longitudinal=np.cos(course) * dx + np.sin(course) * dy,
         lateral=-np.sin(course) * dx + np.cos(course) * dy,
-        speed=np.hypot(at("plant.velocity.x"), at("plant.velocity.y")) - at("reference.reference.speed"),
+        speed=np.hypot(at("plant.velocity.x"), at("plant.velocity.y")) - at(f"{source}.reference.speed"),
         course=wrap(at("plant.yaw") + at("plant.sideslip") - course),
     )
 

@@ -13,13 +13,13 @@ from fmukit.build.python_module import library
 from fmus.planner.program import Nodes
 from fmus.planner.receding import horizon, road, run
 from fmus.planner.receding.interface import INTERFACE
-from fmus.planner.receding.layout import HORIZON
+from fmus.planner.receding.layout import CAR, HORIZON
 from fmus.planner.receding.local import motion, problem
 from fmus.planner.receding.memory import PLANNING, Plan, Record
 from fmus.planner.receding.model import kernel
 from fmus.planner.receding.search import OPTIONS, Tools, tools
 from fmus.planner.vehicle import Vehicle, two_wheel_drive
-from fmus.single_track.data import car
+from fmus.single_track.data import of
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,9 +74,9 @@ def drive(tools: Tools, p: Mapping[str, Any], table: Sequence[Sequence[float]] =
 
 
 def same_limits(p: Mapping[str, Any]) -> Vehicle:
-    """The default car of the offline planner with the limits in `p`."""
+    """The car and the limits of `p` for the offline planner."""
     vehicle = two_wheel_drive(
-        car(),
+        of({**{name: p[f"design.{name}"] for name in CAR}, "wheel.radius": 0.0}),
         friction=p["tyre.friction"] if p["tyre.combined_slip"] else None,
         steering_rate=p["limit.steering_rate"],
         front=(-p["limit.front_brake"], 0.0),

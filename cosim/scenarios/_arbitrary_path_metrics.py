@@ -1,0 +1,83 @@
+"""What a drive along a road planned while driving is worth."""
+
+from __future__ import annotations
+
+import csv
+
+import numpy as np
+
+from cosim.results import Results
+from cosim.scenarios._arbitrary_path import built_in_road, clearance, optimum
+from cosim.scenarios._mpc_metrics import mpc_metrics
+from cosim.scenarios._tracking_metrics import peak
+from cosim.slave import Vector
+
+PLANNING = 0.0
+
+
+def arbitrary_path_metrics(results: Results) -> dict[str, float]:
+    """Times [s] and distances [m]; `optimum_*` and `corridor_*` are of the built-in road with the planner's limits."""
+    planned, best = last(results, "plan.final_time"), optimal_time(results)
+    return {
+        "final_time": planned or float("nan"),
+        "optimum_time": best,
+        "optimum_ratio": planned / best if planned else float("nan"),
+        "problems": last(results, "problem.count"),
+        "problems_failed": last(results, "problem.failed"),
+        "fallbacks": last(results, "fallback.count"),
+        "solver_iterations_max": peak(at_samples(results, "solver.iterations")),
+        "planned_ahead_min": planned_ahead(results),
+        **joints(results),
+        "corridor_violation_max": violation(results),
+        **mpc_metrics(results, "planner"),
+    }
+
+
+def optimal_time(results: Results) -> float:
+    """End time [s] of the global optimum."""
+    with optimum(results.settings).open(newline="", encoding="utf-8") as source:
+        return float(list(csv.DictReader(source))[-1]["time"])
+
+
+def planned_ahead(results: Results) -> float:
+    """The least time [s] planned ahead of now while there was more to plan."""
+    planning = at_samples(results, "plan.phase") == PLANNING
+    ahead = at_samples(results, "plan.end_time") - results.time[results.instants("planner")]
+    return float(np.min(ahead[planning], initial=np.inf))
+
+
+def joints(results: Results) -> dict[str, float]:
+    """Jumps of the reference from sample to sample beyond what its own derivatives explain: m, rad, m/s."""
+    x, y, course, speed, acceleration, curvature = (
+        at_samples(results, f"reference.{name}") for name in ("x", "y", "course", "speed", "acceleration", "curvature")
+    )
+    step = np.diff(results.time[results.instants("planner")])
+    middle = 0.5 * (course[1:] + course[:-1])
+    along = 0.5 * (speed[1:] + speed[:-1]) * step
+    position = np.hypot(np.diff(x) - along * np.cos(middle), np.diff(y) - along * np.sin(middle))
+    turn = np.diff(course) - _mean(speed * curvature) * step
+    gain = np.diff(speed) - _mean(acceleration) * step
+    return {"joint_position_max": peak(position), "joint_course_max": peak(turn), "joint_speed_max": peak(gain)}
+
+
+def violation(results: Results) -> float:
+    """How far O1 left the road less the car's half width, before its end."""
+    points = np.column_stack([results["plant.position.x"], results["plant.position.y"]])
+    road = built_in_road(clearance({"margin": 0.0}))
+    end, heading = road.gates(2).frames[-1, :2], road.gates(2).frames[-1, 2]
+    before = (points - end) @ np.array([np.cos(heading), np.sin(heading)]) < 0
+    return road.violation(points[before])
+
+
+def last(results: Results, name: str) -> float:
+    """The signal of the planner at its last sample."""
+    return float(at_samples(results, name)[-1])
+
+
+def at_samples(results: Results, name: str) -> Vector:
+    """A signal of `planner` at the instants at which it computed."""
+    return np.asarray(results[f"planner.{name}"][results.instants("planner")])
+
+
+def _mean(values: Vector) -> Vector:
+    return np.asarray(0.5 * (values[1:] + values[:-1]))

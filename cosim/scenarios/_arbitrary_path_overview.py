@@ -1,0 +1,100 @@
+"""overview.png of a road planned while driving: road and path, states, commands and the planner's work."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from cosim.results import Results
+from cosim.scenarios._arbitrary_path import built_in_road, clearance
+from cosim.scenarios._arbitrary_path_metrics import at_samples
+from cosim.scenarios._tracking_metrics import tracking_errors
+from cosim.scenarios._tracking_overview import plot
+
+_WHEELS = ("fl", "fr", "rl", "rr")
+_DEGREES = 180.0 / np.pi
+_GATES = 400
+
+
+def draw_overview(results: Results, file: Path, title: str) -> None:
+    """Draw all panels and save them to `file`."""
+    figure = Figure(figsize=(16, 18), layout="constrained")
+    FigureCanvasAgg(figure)
+    figure.suptitle(title)
+    grid = figure.add_gridspec(5, 2)
+    _path(results, figure.add_subplot(grid[:2, :]))
+    panels: Sequence[Callable[[Results, Any], None]] = (_speeds, _errors, _steering, _torques, _ahead, _iterations)
+    for i, panel in enumerate(panels):
+        axes = figure.add_subplot(grid[2 + i // 2, i % 2])
+        panel(results, axes)
+        axes.set_xlabel("time [s]")
+        axes.grid(alpha=0.3)
+        axes.margins(y=0.2)
+        axes.legend(loc="upper right", ncols=4, fontsize="small")
+    figure.savefig(file, dpi=80)
+
+
+def _path(results: Results, axes: Any) -> None:
+    road = built_in_road(clearance({"margin": 0.0}))
+    gates = road.gates(_GATES)
+    for side in (gates.low - road.clearance, gates.high + road.clearance):
+        axes.plot(*gates.point(side).T, color="tab:gray")
+    axes.plot(at_samples(results, "reference.x"), at_samples(results, "reference.y"), "k--", label="plan")
+    axes.plot(results["plant.position.x"], results["plant.position.y"], color="tab:blue", label="car (O1)")
+    rows = _joints(results)
+    axes.plot(*(at_samples(results, f"reference.{axis}")[rows] for axis in "xy"), "x", color="C3")
+    axes.set(
+        xlabel="x [m]",
+        ylabel="y [m]",
+        title="built-in road; crosses: where the car was when a local problem was solved",
+    )
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.grid(alpha=0.3)
+    axes.legend(loc="upper left", ncols=3)
+
+
+def _joints(results: Results) -> np.ndarray:
+    return np.flatnonzero(np.diff(at_samples(results, "problem.count"), prepend=0.0) > 0)
+
+
+def _speeds(results: Results, axes: Any) -> None:
+    plot(results, axes, "planner.reference.speed", "plan")
+    plot(results, axes, "plant.velocity.x", "forward")
+    axes.set(title="speed", ylabel="m/s")
+
+
+def _errors(results: Results, axes: Any) -> None:
+    e = tracking_errors(results, "planner")
+    axes.plot(e.time, e.lateral, label="lateral")
+    axes.plot(e.time, e.longitudinal, label="longitudinal")
+    axes.set(title="position error in the path frame", ylabel="m")
+
+
+def _steering(results: Results, axes: Any) -> None:
+    plot(results, axes, "mpc.command.steer_angle", "commanded", _DEGREES, drawstyle="steps-post")
+    plot(results, axes, "plant.sideslip", "sideslip", _DEGREES)
+    axes.set(title="steering angle and sideslip", ylabel="deg")
+
+
+def _torques(results: Results, axes: Any) -> None:
+    for i, wheel in enumerate(_WHEELS):
+        plot(results, axes, f"mpc.wheel_torque.{wheel}", wheel, color=f"C{i}", drawstyle="steps-post")
+    axes.set(title="wheel torques", ylabel="N.m")
+
+
+def _ahead(results: Results, axes: Any) -> None:
+    time = results.time[results.instants("planner")]
+    axes.plot(time, at_samples(results, "plan.end_time") - time, label="planned ahead")
+    axes.axhline(3.0, color="tab:gray", linestyle=":", label="preview")
+    axes.set(title="time planned ahead", ylabel="s")
+
+
+def _iterations(results: Results, axes: Any) -> None:
+    plot(results, axes, "planner.solver.iterations", "iterations of the last local problem", drawstyle="steps-post")
+    plot(results, axes, "planner.problem.failed", "failed problems", drawstyle="steps-post")
+    axes.set(title="local problems")

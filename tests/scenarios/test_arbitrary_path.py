@@ -1,0 +1,48 @@
+"""The road planned while driving, through its FMUs: as fast as it should be, joined, tracked, and inside the road."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cosim.scenarios._arbitrary_path_metrics import at_samples
+
+NAME = "arbitrary-path"
+
+
+def test_within_five_percent_of_the_global_optimum(scenario_run) -> None:
+    metrics = scenario_run(NAME)[0]["metrics"]
+    assert 1.0 <= metrics["optimum_ratio"] <= 1.05
+    assert metrics["final_time"] == pytest.approx(metrics["optimum_ratio"] * metrics["optimum_time"])
+    assert metrics["problems_failed"] == metrics["fallbacks"] == 0 and metrics["problems"] == 14
+    assert metrics["planned_ahead_min"] >= 3.02
+
+
+def test_reference_is_continuous_at_the_joints(scenario_run) -> None:
+    """Between samples 20 ms apart nothing moves that speed, curvature and acceleration do not explain."""
+    metrics = scenario_run(NAME)[0]["metrics"]
+    assert metrics["joint_position_max"] <= 0.002
+    assert metrics["joint_course_max"] <= 0.005
+    assert metrics["joint_speed_max"] <= 12 * 0.02, "the acceleration itself jumps with the inputs"
+
+
+def test_controller_follows_and_stays_on_the_road(scenario_run) -> None:
+    _, results = scenario_run(NAME)
+    metrics = scenario_run(NAME)[0]["metrics"]
+    assert metrics["lateral_error_max"] <= 0.15 and metrics["lateral_error_rms"] <= 0.02
+    assert metrics["corridor_violation_max"] == 0.0
+    assert metrics["mpc_unsolved"] <= 5 and metrics["fallback_count"] == 0
+    x = np.interp(metrics["final_time"], results.time, results["plant.position.x"])
+    assert x == pytest.approx(at_samples(results, "reference.x")[round(metrics["final_time"] / 0.02)], abs=1.0)
+    assert results["plant.velocity.x"].max() > 30
+
+
+def test_start_beside_the_plan_is_caught(scenario_run) -> None:
+    metrics = scenario_run(NAME, "scenario.lateral_offset=0.3")[0]["metrics"]
+    assert metrics["lateral_error_max"] == pytest.approx(0.3, abs=0.05)
+    assert metrics["lateral_error_after_2s"] <= 0.15
+
+
+def test_speed_at_the_start_is_told_to_both(scenario_run) -> None:
+    _, results = scenario_run(NAME, "planner.initial.speed=20")
+    assert results["plant.velocity.x"][0] == pytest.approx(20.0) == results["planner.reference.speed"][0]
