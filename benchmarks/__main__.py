@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks import closed_loop, exchange, planning, plant_kernel, qp_in_fmu, qp_solvers
+from benchmarks import closed_loop, exchange, local_problem, planning, plant_kernel, qp_in_fmu, qp_solvers
 from cosim.scenarios._catalogue import fmu_path
 
 Row = tuple[str, str, str, str]
@@ -26,7 +26,7 @@ def main() -> None:
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     table = Table("what", "value", "against", "aim")
-    programs = (qp_solvers.rows(rounds), qp_in_fmu.rows(rounds))
+    programs = (local_problem.rows(rounds), qp_solvers.rows(rounds), qp_in_fmu.rows(rounds))
     for rows in (_exchange(rounds), _kernel(rounds), _loop(rounds), _planning(rounds), *programs):
         for row in rows:
             table.add_row(*row)

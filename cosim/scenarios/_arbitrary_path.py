@@ -112,7 +112,8 @@ def _defaults() -> dict[str, Any]:
 
 def _typed(given: Any) -> dict[str, Any]:
     """Values set by hand may be text; what is not a number is refused where it is set."""
-    start, found = _defaults(), {}
+    start = _defaults()
+    found: dict[str, Any] = {}
     for name, value in given.items():
         if isinstance(start.get(name), bool):
             found[name] = str(value).lower() in ("true", "1", "1.0")
