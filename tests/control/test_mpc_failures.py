@@ -82,7 +82,7 @@ def test_a_reference_that_has_stopped_is_followed_for_its_timeout_then_the_car_b
     table = steady(15.0, 0.02, 12.0)
     loop = Loop(table)
     loop.run(1.0)
-    frozen = loop.reference.outputs()
+    frozen = loop.bus
     seen = loop.run(9.0, lambda t, mpc, plant: mpc.set(frozen))
     age, timeout = seen["trajectory.age"], _START["trajectory.timeout"]
     assert np.all(seen["fallback.active"][age <= timeout] == 0)
