@@ -85,7 +85,7 @@ def _periodic(h: Array, d: Array) -> Array:
 def _solved(rows: NDArray[Any], columns: NDArray[Any], values: Array, right: Array) -> Array:
     n = len(right)
     matrix = ca.DM.triplet(rows.tolist(), columns.tolist(), ca.DM(values), n, n)
-    return np.asarray(ca.solve(matrix, ca.DM(right)).full())
+    return np.asarray(ca.solve(matrix, ca.DM(right), "csparse").full())
 
 
 def even(curve: Spline, spacing: float) -> tuple[Array, float]:
