@@ -6,6 +6,7 @@ distribution of forces to four wheels.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,11 +18,9 @@ from cosim.system import System
 
 if TYPE_CHECKING:
     from fmus.planner.road import Corridor
-    from fmus.single_track.data import Car
+    from fmus.planner.vehicle import Vehicle
 
 INTERVALS = 160
-_TRANSITION, _CLEARANCE = 5.0, 0.84
-"""Length of the corridor's steps and distance the centre of gravity keeps from its edges [m]."""
 _TRUTH = {"estimate.": "", "estimate.yaw_rate": "angular_rate.z"}
 
 
@@ -36,18 +35,21 @@ def perturbations(lateral: float = 0.0) -> dict[str, NumberSetting]:
 
 
 def corridor(margin: float = 0.0) -> Corridor:
-    """The corridor of the thesis; its free width is less by `margin` [m] on both sides."""
+    """The double lane change of the planner; its free width is less by `margin` [m] on both sides.
+
+    The thesis names this test path (3.3.1), its Delta and d; what these measure is an engineering choice.
+    """
     from fmus.planner.road import double_lane_change  # noqa: PLC0415  (lazy: `cosim list`)
 
-    return double_lane_change(_TRANSITION, _CLEARANCE + margin, width=2 * _CLEARANCE)
+    road = double_lane_change()
+    return replace(road, clearance=road.clearance + margin)
 
 
-def lane_change_plan(car: Car | None = None, margin: float = 0.0) -> Path:
-    """The planned trajectory, of the published car unless `car` is given."""
-    from fmus.planner.vehicle import two_wheel_drive  # noqa: PLC0415
-    from fmus.single_track.data import car as published  # noqa: PLC0415
+def lane_change_plan(vehicle: Vehicle | None = None, margin: float = 0.0) -> Path:
+    """The planned trajectory, of the published car unless `vehicle` is given."""
+    from fmus.planner.cars import thesis  # noqa: PLC0415
 
-    return planned("double-lane-change", two_wheel_drive(car or published()), corridor(margin), INTERVALS)
+    return planned("double-lane-change", vehicle or thesis().vehicle, corridor(margin), INTERVALS)
 
 
 def planar_loop(settings: Settings, margin: float = 0.0) -> System:

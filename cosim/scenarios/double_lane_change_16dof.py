@@ -15,14 +15,13 @@ _CALM = {"weight.steer_change": 1000.0, "integral.gain": 0.1}
 
 def _build(settings: Settings) -> System:
     from fmus.double_track.design import from_design  # noqa: PLC0415  (lazy: `cosim list`)
-    from fmus.single_track.design import design_car  # noqa: PLC0415
+    from fmus.planner.vehicle import vehicle16dof  # noqa: PLC0415
 
     system = System()
     system.add("plant", "Vehicle16Dof", {"body_force.y": settings["side_force"]})
     add_sensors(system, settings)
-    system.add(
-        "reference", "ReferenceTrajectory", {"trajectory_file": str(_lane_change.lane_change_plan(design_car()))}
-    )
+    plan = _lane_change.lane_change_plan(vehicle16dof())
+    system.add("reference", "ReferenceTrajectory", {"trajectory_file": str(plan)})
     system.add("mpc", "MpcAllocator", {f"design.{name}": value for name, value in from_design().items()} | _CALM)
     system.add("llc", "LowLevelPid", {"speed.fed_through": True, "yaw.fed_through": True})
     system.connect("reference", "mpc")

@@ -18,6 +18,11 @@ from cosim.scenarios import load
 from cosim.scenarios._lane_change import corridor
 from cosim.scenarios._lane_change_metrics import final_time, violation
 from cosim.ssp import export
+from fmus.planner import trajectory
+from fmus.planner.hocp import Settings, plan
+from fmus.planner.road import double_lane_change
+from fmus.planner.vehicle import two_wheel_drive, vehicle16dof
+from fmus.single_track.design import design_car
 from fmus.wheels import WHEELS
 
 UNDISTURBED = "scenario.lateral_offset=0"
@@ -77,9 +82,9 @@ def test_a_constant_side_force_leaves_no_error_with_integral_action(scenario_run
     assert without["lateral_error_rms"] > 0.02
 
 
-@pytest.mark.parametrize(("feedback", "limit"), [("truth", 0.02), ("filter", 0.10)])
+@pytest.mark.parametrize(("feedback", "limit"), [("truth", 0.005), ("filter", 0.04)])
 def test_the_multibody_car_follows_the_plan_made_for_it(scenario_run: Run, feedback: str, limit: float) -> None:
-    """0.20 m is allowed."""
+    """0.20 m is allowed; with the filter six seeds gave 0.019 to 0.032 m."""
     summary, results = scenario_run("double-lane-change-16dof", f"scenario.feedback={feedback}")
     metrics = summary["metrics"]
     assert metrics["lateral_error_max"] < limit
@@ -105,6 +110,19 @@ def test_what_the_controller_assumes_of_the_multibody_car_follows_from_that_car(
     assert float(assumed["actuator.steer_rate"]) == 0.5
     assert float(assumed["actuator.steer_limit"]) == 0.5
     assert system.instances["llc"].parameters["speed.fed_through"] is True
+
+
+def test_the_multibody_car_drives_the_plan_documented_for_it() -> None:
+    """That of `cosim plan --car vehicle16dof`; the plan for rear-wheel drive without combined slip is another one."""
+    settings = Settings(compile=False)
+    file = configured(load("double-lane-change-16dof"), []).instances["reference"].parameters["trajectory_file"]
+    driven = np.loadtxt(str(file), delimiter=",", skiprows=1)
+    made, other = (
+        trajectory.table(plan(car, double_lane_change(), 160, settings=settings))
+        for car in (vehicle16dof(), two_wheel_drive(design_car()))
+    )
+    np.testing.assert_allclose(driven, made, rtol=1e-6, atol=1e-6)
+    assert np.abs(driven - other)[:, 4].max() > 0.01
 
 
 def test_the_corridor_is_kept_when_a_motor_is_lost(scenario_run: Run) -> None:
