@@ -33,7 +33,8 @@ _LOG = logging.getLogger("cosim")
 
 def export(request: Request, file: Path) -> Path:
     """Write the scenario as `file` (.ssp) and return it; raises CosimError. Equal requests give equal bytes."""
-    from fmukit.build.archive import pack, write  # noqa: PLC0415  (lazy: imports PythonFMU's builder)
+    from fmukit.build.archive import pack  # noqa: PLC0415  (lazy: imports PythonFMU's builder)
+    from fmukit.build.files import write  # noqa: PLC0415
 
     system = requested(request)
     with Loader(request.scenario.find) as loader:

@@ -8,12 +8,10 @@ whether or not a compiler is installed.
 from __future__ import annotations
 
 import logging
-import os
 import tempfile
 from collections.abc import Callable, Iterable
 from hashlib import blake2b
 from pathlib import Path
-from time import time
 from typing import TYPE_CHECKING
 
 from cosim.errors import CosimError, because
@@ -23,9 +21,7 @@ if TYPE_CHECKING:
     from fmus.planner.program import Ends
     from fmus.planner.vehicle import Vehicle
 
-_FOLDER = "trajectories"
 _KINDS = {".py", ".toml"}
-_KEEP = 30 * 24 * 3600.0
 _LOG = logging.getLogger("cosim")
 
 
@@ -51,43 +47,28 @@ def planned(name: str, vehicle: Vehicle, road: Road, m: int, ends: Ends | None =
 
 
 def kept(name: str, parts: Iterable[str | bytes], make: Callable[[Path], None]) -> Path:
-    """The cached file made by `make(file)` from what `parts` say, made now if it is not there.
+    """The cached file made by `make(file)` from what `parts` say, made now if it is not there or damaged.
 
     `parts` must hold all that differs from call to call; the sources of the components are part of the key anyway.
-    Files not used for a month are removed.
+    Files not used for a month are removed. Raises CosimError when the file cannot be kept.
     """
-    from fmukit.build.cache import cache_folder  # noqa: PLC0415
+    from fmukit.build import cache  # noqa: PLC0415
+    from fmukit.build.errors import BuildError  # noqa: PLC0415
 
-    file = cache_folder() / _FOLDER / f"{name}-{_key(parts)}.csv"
+    def made() -> bytes:
+        _LOG.info("planning %s, which later runs find in %s", name, cache.cache_folder())
+        with tempfile.TemporaryDirectory(prefix="cosim-") as folder:
+            file = Path(folder) / f"{name}.csv"
+            make(file)
+            return file.read_bytes()
+
     try:
-        if _whole(file):
-            os.utime(file)
-            return file
-        _LOG.info("planning %s, which later runs find in %s", name, file.parent)
-        file.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=file.parent) as folder:
-            made = Path(folder) / file.name
-            make(made)
-            made.replace(file)
-        _prune(file.parent)
+        return cache.kept(f"trajectory-{_key(parts)}", f"{name}.csv", made)
+    except BuildError as error:
+        raise CosimError(f"cannot keep the plan of {name}: {error}") from None
     except OSError as error:
-        remedy = "make room there, or set XDG_CACHE_HOME to a folder you can write into"
-        raise CosimError(f"cannot keep the plan of {name} in {file.parent}: {because(error)}; {remedy}") from None
-    return file
-
-
-def _whole(file: Path) -> bool:
-    """Whether the file is there and ends with a whole line: a full disk may have left half of it."""
-    try:
-        return file.read_bytes().endswith(b"\n")
-    except OSError:
-        return False
-
-
-def _prune(folder: Path) -> None:
-    for other in folder.glob("*.csv"):
-        if time() - other.stat().st_mtime > _KEEP:
-            other.unlink(missing_ok=True)
+        remedy = "make room there, or set TMPDIR to a folder you can write into"
+        raise CosimError(f"cannot write the plan of {name}: {because(error)}; {remedy}") from None
 
 
 def _key(parts: Iterable[str | bytes]) -> str:

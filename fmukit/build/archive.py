@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import os
 import sys
 import tempfile
 import zipfile
@@ -66,18 +65,3 @@ def pack(members: Mapping[str, bytes]) -> bytes:
             item.create_system, item.external_attr, item.compress_type = 3, _MODE, zipfile.ZIP_DEFLATED
             archive.writestr(item, members[name])
     return buffer.getvalue()
-
-
-def write(path: Path, data: bytes) -> Path:
-    """Write the file at once or not at all, whatever other processes do."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}-")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
-    return path

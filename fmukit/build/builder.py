@@ -13,7 +13,7 @@ from uuid import UUID
 import pythonfmu
 
 import fmukit.runtime
-from fmukit.build import about, archive, compiler, crosscheck, python_module, xml
+from fmukit.build import about, archive, compiler, crosscheck, files, python_module, xml
 from fmukit.build.codegen import Code, generate
 from fmukit.build.dependencies import initial_dependencies
 from fmukit.build.documentation import documents
@@ -47,12 +47,12 @@ def build(
         compiler.command(platform)
     kernel = component.kernel()
     recording = recorded(component, kernel)
-    files = crosscheck.bundle(interface.name, recording, packages(kernel)) if bundle and recording else {}
+    made = crosscheck.bundle(interface.name, recording, packages(kernel)) if bundle and recording else {}
     solvers = isinstance(kernel, Kernel) and bool(kernel.solvers)
     members = _model(interface, kernel, targets) | documents(component, recording, packages(kernel), solvers=solvers)
-    files[f"{interface.name}.fmu"] = archive.pack(members)
-    for name, data in files.items():
-        archive.write(Path(directory) / name, data)
+    made[f"{interface.name}.fmu"] = archive.pack(members)
+    for name, data in made.items():
+        files.write(Path(directory) / name, data)
     return Path(directory) / f"{interface.name}.fmu"
 
 

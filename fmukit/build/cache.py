@@ -1,10 +1,11 @@
-"""FMUs and libraries made before. Nothing here imports casadi unless something has to be built."""
+"""FMUs, libraries and plans made before. Nothing here imports casadi unless something has to be built."""
 
 from __future__ import annotations
 
+import os
 import tempfile
-import zipfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from hashlib import blake2b
 from importlib.metadata import version
 from pathlib import Path
@@ -13,7 +14,7 @@ from time import time
 
 from platformdirs import user_cache_path
 
-from fmukit.build import compiler
+from fmukit.build import compiler, files
 from fmukit.build.errors import BuildError
 from fmukit.build.sources import fingerprint
 from fmukit.component import Component
@@ -22,7 +23,7 @@ _KEEP = 30 * 24 * 3600.0
 
 
 def cache_folder() -> Path:
-    """Where built FMUs are kept; may be deleted at any time."""
+    """Where all that is made for later runs is kept; may be deleted at any time."""
     return user_cache_path("vehicle-formation-fmus")
 
 
@@ -33,23 +34,58 @@ def cached(component: Component, directory: Path | None = None, platforms: Seque
     """
     targets = tuple(platforms or (compiler.host_platform(),))
     name = component.interface.name
-    path = (directory or cache_folder()) / f"{name}-{_key(component, targets)}" / f"{name}.fmu"
-    if not _sound(path):
-        check_writable(path.parent)
+
+    def make() -> bytes:
         from fmukit.build.builder import build  # noqa: PLC0415 (imports casadi)
 
-        build(component, path.parent, targets)
-        prune(path.parent)
+        with tempfile.TemporaryDirectory(prefix="fmukit-") as folder:
+            return build(component, folder, targets).read_bytes()
+
+    return kept(f"{name}-{_key(component, targets)}", f"{name}.fmu", make, directory)
+
+
+def kept(folder: str, name: str, make: Callable[[], bytes], root: Path | None = None) -> Path:
+    """The file `name` in `folder` of the cache (or of `root`): the bytes of `make()`, made if it is missing or damaged.
+
+    `folder` is "WHAT-KEY", with all in the key that the bytes depend on. A checksum beside the file tells whether it is
+    whole: loading half a library ends the process. Folders of the same WHAT not used for a month are removed. Raises
+    BuildError when the folder cannot be written, before the long `make()` where that can be known.
+    """
+    path = (root or cache_folder()) / folder / name
+    if _whole(path):
+        _mark_used(path.parent)
+        return path
+    check_writable(path.parent)
+    data = make()
+    try:
+        files.write(_sum(path), _digest(data))
+        files.write(path, data)
+    except OSError as error:
+        raise _unwritable(path.parent, error) from error
+    prune(path.parent)
     return path
 
 
-def _sound(path: Path) -> bool:
-    """Whether the file is there and whole: an interrupted copy or a full disk may have left half of it."""
+def _whole(path: Path) -> bool:
+    """Whether the file is there and holds what was made: a full disk or a cut connection may have left half of it."""
     try:
-        with zipfile.ZipFile(path) as archive:
-            return "modelDescription.xml" in archive.namelist() and archive.testzip() is None
-    except Exception:  # damaged bytes make zipfile raise almost anything
+        return _sum(path).read_bytes() == _digest(path.read_bytes())
+    except OSError:
         return False
+
+
+def _sum(path: Path) -> Path:
+    return path.with_name(f"{path.name}.sum")
+
+
+def _digest(data: bytes) -> bytes:
+    return blake2b(data, digest_size=16).hexdigest().encode()
+
+
+def _mark_used(folder: Path) -> None:
+    """So that it is not pruned; a folder that cannot be written is not pruned either."""
+    with suppress(OSError):
+        os.utime(folder)
 
 
 def check_writable(folder: Path) -> None:
@@ -59,18 +95,26 @@ def check_writable(folder: Path) -> None:
         with tempfile.TemporaryFile(dir=folder) as file:
             file.write(b"x")
     except OSError as error:
-        raise BuildError(
-            f"the cache folder {folder} cannot be written ({error.strerror}); "
-            "make it writable, free some space, or name another place in XDG_CACHE_HOME"
-        ) from error
+        raise _unwritable(folder, error) from error
+
+
+def _unwritable(folder: Path, error: OSError) -> BuildError:
+    return BuildError(
+        f"the cache folder {folder} cannot be written ({error.strerror}); "
+        "make it writable, free some space, or name another place in XDG_CACHE_HOME"
+    )
 
 
 def prune(made: Path) -> None:
-    """Remove what was built of the same name more than a month ago."""
-    pattern = made.name.rpartition("-")[0] + "-*"
-    for other in made.parent.glob(pattern):
-        if time() - other.stat().st_mtime > _KEEP:
-            rmtree(other, ignore_errors=True)
+    """Remove the folders beside `made` of the same name but for the key that were not used for a month.
+
+    Never fails: another process may prune too, and what cannot be removed may stay.
+    """
+    with suppress(OSError):
+        for other in list(made.parent.glob(made.name.rpartition("-")[0] + "-*")):
+            with suppress(OSError):
+                if time() - other.stat().st_mtime > _KEEP:
+                    rmtree(other, ignore_errors=True)
 
 
 def _key(component: Component, platforms: tuple[str, ...]) -> str:

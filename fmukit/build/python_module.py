@@ -4,23 +4,18 @@ from __future__ import annotations
 
 import ast
 import sys
-import tempfile
 from collections.abc import Iterator, Sequence
 from hashlib import blake2b
 from importlib.machinery import ModuleSpec
 from importlib.util import find_spec
 from pathlib import Path
 
-import casadi as ca
-
-from fmukit.build import archive, compiler
-from fmukit.build.cache import cache_folder, check_writable, prune
+from fmukit.build import compiler, functions
+from fmukit.build.cache import kept
 from fmukit.build.errors import BuildError
 from fmukit.python_kernel import PythonKernel
 
 FOLDER = "model"
-_FLAGS = ("-O1",)
-"""The derivatives of an NLP are long straight code, on which -O2 may spend minutes and gigabytes for nothing."""
 
 
 def modules(kernel: PythonKernel) -> dict[str, Path]:
@@ -100,25 +95,7 @@ def _relative(name: str, node: ast.ImportFrom) -> Iterator[str]:
 
 def library(kernel: PythonKernel, name: str, platform: str) -> Path:
     """One library of the kernel, from the cache or compiled now."""
-    text = _code(kernel.libraries[name])
-    key = blake2b("\n".join([text, compiler.identity(platform), *_FLAGS]).encode(), digest_size=10).hexdigest()
-    path = cache_folder() / f"library-{key}" / f"{name}{Path(compiler.PLATFORMS[platform]).suffix}"
-    if not path.is_file():
-        check_writable(path.parent)
-        archive.write(path, _compiled(text, platform))
-        prune(path.parent)
-    return path
-
-
-def _code(functions: tuple[ca.Function, ...]) -> str:
-    generator = ca.CodeGenerator("functions.c", {"casadi_int": "long long int", "casadi_real": "double"})
-    for function in functions:
-        generator.add(function)
-    return str(generator.dump())
-
-
-def _compiled(text: str, platform: str) -> bytes:
-    with tempfile.TemporaryDirectory(prefix="fmukit-") as name:
-        folder = Path(name)
-        (folder / "functions.c").write_text(f"#define GCC_HASCLASSVISIBILITY\n{text}", "utf-8")
-        return compiler.run(folder, platform, ("functions.c",), _FLAGS)
+    text = functions.code(kernel.libraries[name])
+    parts = [text, compiler.identity(platform), *functions.FLAGS]
+    key = blake2b("\n".join(parts).encode(), digest_size=10).hexdigest()
+    return kept(f"library-{key}", functions.file_name(name, platform), lambda: functions.compiled(text, platform))

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from hashlib import blake2b
 from pathlib import Path
 
-from fmukit.build import archive, cache, compiler
+from fmukit.build import cache, compiler
 
 _SHOWN = """#if defined(_WIN32)
 #define API __declspec(dllexport)
@@ -21,31 +21,11 @@ _SHOWN = """#if defined(_WIN32)
 def compiled(symbol: str, sources: Mapping[str, str], units: tuple[str, ...]) -> Path:
     """Path of the library that shows the functions of `symbol`; compiled when it is not there yet, or damaged."""
     platform = compiler.host_platform()
-    folder = cache.cache_folder() / f"{symbol}-{_key(sources, platform)}"
-    path = folder / compiler.PLATFORMS[platform]
-    if not _sound(path):
-        cache.check_writable(folder)
-        data = _compile(symbol, sources, units, platform)
-        archive.write(_sum(path), _digest(data))
-        archive.write(path, data)
-        cache.prune(folder)
-    return path
 
+    def make() -> bytes:
+        return _compile(symbol, sources, units, platform)
 
-def _sound(path: Path) -> bool:
-    """Whether the file is there and holds what was compiled: loading half a library ends the process."""
-    try:
-        return _sum(path).read_bytes() == _digest(path.read_bytes())
-    except OSError:
-        return False
-
-
-def _sum(path: Path) -> Path:
-    return path.with_suffix(".sum")
-
-
-def _digest(data: bytes) -> bytes:
-    return blake2b(data, digest_size=16).hexdigest().encode()
+    return cache.kept(f"{symbol}-{_key(sources, platform)}", compiler.PLATFORMS[platform], make)
 
 
 def _key(sources: Mapping[str, str], platform: str) -> str:

@@ -220,3 +220,11 @@ def test_cache_forgets_what_is_a_month_old(tmp_path: Path) -> None:
     assert not old.exists()
     assert young.exists()
     assert other.exists()
+
+
+def test_an_fmu_in_daily_use_is_never_forgotten(tmp_path: Path) -> None:
+    used = cache.cached(demo_spring.COMPONENT, tmp_path)
+    os.utime(used.parent, (1e9, 1e9))
+    assert cache.cached(demo_spring.COMPONENT, tmp_path) == used
+    cache.prune(tmp_path / "DemoSpring-another")
+    assert used.is_file()

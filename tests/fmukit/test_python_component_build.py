@@ -15,10 +15,11 @@ import pe_file
 import pytest
 from demo_search import model
 
+from fmukit.build import cache, compiler
 from fmukit.build.builder import build
 from fmukit.build.crosscheck import bundle
 from fmukit.build.errors import BuildError
-from fmukit.build.python_module import files, modules
+from fmukit.build.python_module import files, library, modules
 from fmukit.build.recording import record
 from fmukit.build.sources import fingerprint
 from fmukit.component import Component
@@ -79,6 +80,16 @@ def test_another_helper_is_another_fmu(copied: Path, tmp_path: Path) -> None:
 
 def _package(file: Path) -> str:
     return next(name for name in _members(file) if name.endswith("interface.json"))
+
+
+@pytest.mark.parametrize("share", [0.5, 0.97])
+def test_a_damaged_library_does_not_travel(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, share: float) -> None:
+    monkeypatch.setattr(cache, "cache_folder", lambda: tmp_path)
+    kernel, platform = demo_search.COMPONENT.kernel(), compiler.host_platform()
+    path = library(kernel, "hyperbola", platform)
+    data = path.read_bytes()
+    path.write_bytes(data[: int(share * len(data))])
+    assert files(kernel, [platform])[0]["hyperbola.so"] == data
 
 
 def test_what_the_host_needs_is_written_everywhere(members: dict[str, bytes], tmp_path: Path) -> None:

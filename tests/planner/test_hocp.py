@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import os
+import re
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 from time import time
@@ -141,7 +144,7 @@ def test_refinement_warm_starts() -> None:
 
 def test_compiled_is_the_same_and_cached(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     _compiler_needed()
-    monkeypatch.setattr("fmus.planner.compiled.cache_folder", lambda: tmp_path)
+    monkeypatch.setattr("fmukit.build.cache.cache_folder", lambda: tmp_path)
     first = plan(CAR, double_lane_change(), 20)
     (library,) = tmp_path.glob("plan-*/nlp.so")
     made = library.stat().st_mtime_ns
@@ -150,14 +153,48 @@ def test_compiled_is_the_same_and_cached(tmp_path: Path, monkeypatch: pytest.Mon
     by_hand = plan(CAR, double_lane_change(), 20, settings=INTERPRETED)
     assert (first.how, again.how) == ("compiled", "compiled")
     assert first.final_time == pytest.approx(by_hand.final_time, abs=1e-7)
-    library.unlink()
-    library.write_bytes(b"half a file")
-    assert plan(CAR, double_lane_change(), 20).how == "compiled"
+
+
+_DAMAGED = """
+from pathlib import Path
+from fmus.planner import hocp
+from fmus.planner.road import double_lane_change
+from fmus.planner.vehicle import two_wheel_drive
+from fmus.single_track.data import car
+
+library = Path({library!r})
+whole = library.read_bytes()
+for share in (0.5, 0.97):
+    damaged = library.with_name("damaged")
+    damaged.write_bytes(whole[: int(share * len(whole))])
+    damaged.replace(library)
+    print(hocp.plan(two_wheel_drive(car()), double_lane_change(), 10).how, library.read_bytes() == whole)
+"""
+
+
+def test_a_cut_library_is_made_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In a process of its own: to load half a library ends the process."""
+    _compiler_needed()
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(sys.path))
+    plan(CAR, double_lane_change(), 10)
+    (library,) = tmp_path.glob("*/plan-*/nlp.so")
+    line = [sys.executable, "-c", _DAMAGED.format(library=str(library))]
+    done = subprocess.run(line, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (0, "compiled True\n" * 2), done.stderr
+
+
+def test_a_library_that_cannot_be_loaded_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    _compiler_needed()
+    monkeypatch.setattr("fmukit.build.cache.cache_folder", lambda: tmp_path)
+    monkeypatch.setattr("fmus.planner.compiled.functions.compiled", lambda *_: b"no library")
+    found = plan(CAR, double_lane_change(), 10)
+    assert re.fullmatch(r"interpreted, because .*nlp\.so cannot be loaded; may programs be run .*\?", found.how)
 
 
 def test_libraries_not_used_for_a_month_are_removed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     _compiler_needed()
-    monkeypatch.setattr("fmus.planner.compiled.cache_folder", lambda: tmp_path)
+    monkeypatch.setattr("fmukit.build.cache.cache_folder", lambda: tmp_path)
     old, other, long_ago = tmp_path / "plan-old", tmp_path / "Other-old", time() - 40 * 24 * 3600
     for folder in (old, other):
         folder.mkdir()
@@ -173,7 +210,7 @@ def test_libraries_not_used_for_a_month_are_removed(tmp_path: Path, monkeypatch:
 
 def test_other_roads_share_the_code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     _compiler_needed()
-    monkeypatch.setattr("fmus.planner.compiled.cache_folder", lambda: tmp_path)
+    monkeypatch.setattr("fmukit.build.cache.cache_folder", lambda: tmp_path)
     for road in (double_lane_change(), double_lane_change(clearance=0.7), bend()):
         plan(CAR, road, 20)
     assert len(list(tmp_path.glob("plan-*/nlp.so"))) == 1
@@ -183,7 +220,7 @@ def test_without_a_compiler(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     def none(_: str) -> tuple[str, ...]:
         raise BuildError("there is no compiler")
 
-    monkeypatch.setattr("fmus.planner.compiled.cache_folder", lambda: tmp_path)
+    monkeypatch.setattr("fmukit.build.cache.cache_folder", lambda: tmp_path)
     monkeypatch.setattr(compiler, "command", none)
     compiler.identity.cache_clear()
     found = plan(CAR, double_lane_change(), 20)

@@ -65,14 +65,14 @@ def test_what_is_damaged_is_made_anew_and_what_is_old_is_removed(cache: Path) ->
         file.write_text("a,b\n1,2\n")
 
     file = kept("x", ["one"], make)
-    file.write_text("a,b\n1")
-    old = file.with_name("old.csv")
-    old.write_text("a\n")
+    file.write_text("a,b\n1,3\n")
+    old = cache / "trajectory-old"
+    old.mkdir()
     os.utime(old, (time() - 40 * 86400,) * 2)
     assert kept("x", ["one"], make) == file
     assert file.read_text() == "a,b\n1,2\n"
     assert len(made) == 2
-    assert list(file.parent.iterdir()) == [file]
+    assert list(cache.iterdir()) == [file.parent]
 
 
 def test_a_road_without_a_way_through_is_one_sentence(cache: Path) -> None:
@@ -82,7 +82,16 @@ def test_a_road_without_a_way_through_is_one_sentence(cache: Path) -> None:
     assert not list(cache.rglob("*.csv"))
 
 
-def test_a_cache_that_cannot_be_written_is_one_sentence(cache: Path) -> None:
-    (cache / "trajectories").write_text("in the way")
-    with pytest.raises(CosimError, match=r"cannot keep the plan of lane in .*: .*; make room there"):
+def test_a_cache_that_cannot_be_written_is_one_sentence(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (cache / "file").write_text("in the way")
+    monkeypatch.setattr("fmukit.build.cache.cache_folder", lambda: cache / "file")
+    with pytest.raises(CosimError, match=r"^cannot keep the plan of lane: the cache folder .* cannot be written \("):
         planned("lane", VEHICLE, double_lane_change(), 12)
+
+
+def test_a_disk_that_fills_up_while_the_plan_is_written_is_one_sentence(cache: Path) -> None:
+    def full(file: Path) -> None:
+        raise OSError(28, "No space left on device", str(file))
+
+    with pytest.raises(CosimError, match=r"^cannot write the plan of x: No space left on device; make room .* TMPDIR"):
+        kept("x", ["one"], full)
