@@ -7,7 +7,7 @@ loads of the planned accelerations, realises it as well as the limits of its whe
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import casadi as ca
@@ -15,9 +15,10 @@ import numpy as np
 import osqp
 from scipy import sparse
 
-from fmus.controllers.mpc_allocator import distribution
-from fmus.controllers.mpc_allocator.distribution import Limits, Weights
+from fmus.controllers.mpc_allocator.interface import INTERFACE
+from fmus.double_track import distribution
 from fmus.double_track.data import DoubleTrackCar
+from fmus.double_track.distribution import Limits, Weights
 from fmus.double_track.model import motion
 from fmus.planner import check
 from fmus.planner.errors import PlanningError
@@ -77,21 +78,31 @@ def along(
 ) -> Forces:
     """Wheel forces along a plan of the single-track car `car.planar`; `available`: 1 sound motor, 0 lost, per wheel.
 
-    Each time is solved by itself, without a rate limit: planned inputs jump. With the friction ellipse lateral forces
-    are for the QP those left beside the planned forces, for the residual those left beside the forces found, and the
-    lateral force has no weight unless given: chased by the small part that drives have in it, it would lose grip.
-    Raises PlanningError for a plan of a car whose axle forces are not known.
+    Limits and weights are the start values of MpcAllocator unless given, but for the friction of the plan. Each time
+    is solved by itself, without a rate limit and a weight of the change: planned inputs jump. With the friction ellipse
+    lateral forces are for the QP those left beside the planned forces, for the residual those left beside the forces
+    found. Raises PlanningError for a plan of a car whose axle forces are not known.
     """
     vehicle = plan.vehicle
     if vehicle.axle_forces is None:
         raise PlanningError(f"the forces of the axles are not known of the car {vehicle.name}; plan with another")
     times, x, u = check.fine(vehicle, plan.nodes, plan.substeps, finer)
     axles, y = vehicle.axle_forces(u).full(), _wanted(car.planar, vehicle.f)(x, u).full()
-    limits = limits or Limits(friction=vehicle.friction or 1.0)
-    weights = weights or Weights(force_y=1.0 if vehicle.friction is None else 0.0)
+    limits, weights = limits or default_limits(vehicle.friction), weights or default_weights()
     data, lack = _problem(car, vehicle.friction, limits, weights, available)
     U = _solved(*(part.full() for part in data(x, axles, y)))
     return Forces(times, x, np.vstack([u[:1], axles]), y, U, lack(x, y, U).full())
+
+
+def default_limits(friction: float | None = None) -> Limits:
+    """Those of MpcAllocator with its start values, with another friction if given."""
+    found = distribution.limits_of(_starts())
+    return found if friction is None else replace(found, friction=friction)
+
+
+def default_weights() -> Weights:
+    """Those of MpcAllocator with its start values; each time by itself has no change to weigh."""
+    return replace(distribution.weights_of(_starts()), rho=0.0)
 
 
 def write(forces: Forces, file: Path) -> None:
@@ -103,6 +114,10 @@ def write(forces: Forces, file: Path) -> None:
         file.write_text("\n".join(rows) + "\n", "utf-8")
     except OSError as error:
         raise PlanningError(f"{file} cannot be written ({error.strerror}); name another file") from error
+
+
+def _starts() -> dict[str, float | bool | str]:
+    return {variable.name: variable.start for variable in INTERFACE.select("parameter")}
 
 
 def _wanted(car: Car, f: ca.Function) -> ca.Function:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import casadi as ca
 
-from fmukit.kernel import Column, Signals, symbols
-from fmus.controllers.mpc_allocator import distribution
+from fmukit.kernel import Column, symbols
 from fmus.controllers.mpc_allocator.design_car import SLOWEST, design_car
 from fmus.controllers.mpc_allocator.horizon import PERIOD
 from fmus.controllers.mpc_allocator.interface import INTERFACE
 from fmus.controllers.mpc_allocator.linearise import N_X
+from fmus.double_track import distribution
 
 
 def function() -> ca.Function:
@@ -18,7 +18,7 @@ def function() -> ca.Function:
     """
     p, x, a = symbols(INTERFACE, "parameter"), ca.SX.sym("x", N_X), ca.SX.sym("a", 2)
     available, U, command, Ts = ca.SX.sym("available", 4), ca.SX.sym("U", 4), ca.SX.sym("command"), ca.SX.sym("Ts")
-    motors, car = _motors(p), design_car(p)
+    motors, car = distribution.limits_of(p), design_car(p)
     slow = ca.vertcat(x[:2], ca.fmax(x[2], SLOWEST), x[3:])
     _, F_z, F_t = distribution.without_drive(car, slow, a)
     whole = distribution.bounds(motors, F_z, F_t, x[2], available=available)
@@ -35,12 +35,6 @@ def function() -> ca.Function:
 def sides(wheels: Column) -> Column:
     """Sum over the left and over the right wheels (2)."""
     return ca.vertcat(wheels[0] + wheels[2], wheels[1] + wheels[3])
-
-
-def _motors(p: Signals) -> distribution.Limits:
-    return distribution.Limits(
-        force=p["limit.force"], power=p["limit.power"], rate=p["limit.force_rate"], friction=p["limit.friction"]
-    )
 
 
 def _clip(value: ca.SX, low: ca.SX, high: ca.SX) -> ca.SX:

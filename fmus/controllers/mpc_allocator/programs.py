@@ -9,9 +9,10 @@ from functools import cache
 import casadi as ca
 
 from fmukit.qp import QpSettings, QpSolver, qp_solver
-from fmus.controllers.mpc_allocator import distribution, linearise, tracking_qp, wheels
+from fmus.controllers.mpc_allocator import linearise, tracking_qp, wheels
 from fmus.controllers.mpc_allocator.horizon import NODES
 from fmus.controllers.mpc_allocator.interface import INTERFACE
+from fmus.double_track import distribution
 
 Parameters = Callable[[str], ca.MX]
 _PARAMETERS = INTERFACE.names("parameter")

@@ -5,10 +5,10 @@ from __future__ import annotations
 import casadi as ca
 
 from fmukit.kernel import Signals, symbols
-from fmus.controllers.mpc_allocator import distribution
 from fmus.controllers.mpc_allocator.design_car import design_car
 from fmus.controllers.mpc_allocator.interface import INTERFACE
 from fmus.controllers.mpc_allocator.linearise import N_U
+from fmus.double_track import distribution
 
 
 def program() -> ca.Function:
@@ -17,7 +17,7 @@ def program() -> ca.Function:
     U, reach = ca.SX.sym("U", 4), ca.SX.sym("reach", 4, 2)
     G = distribution.effectiveness(design_car(p), delta)
     found = distribution.problem(
-        G, 0, wanted(p, u, delta), previous=U, low=reach[:, 0], high=reach[:, 1], weights=_weights(p)
+        G, 0, wanted(p, u, delta), previous=U, low=reach[:, 0], high=reach[:, 1], weights=distribution.weights_of(p)
     )
     arguments = [p.column, u, delta, U, reach]
     return ca.Function("program", arguments, [ca.densify(ca.SX(value)) for value in found])
@@ -42,13 +42,3 @@ def wanted(p: Signals, u: ca.SX, delta: ca.SX) -> ca.SX:
     """(F_x, F_y, M_z) (3) [N, N, N.m] of the wheel forces, as the prediction has them."""
     F_x = u[1] + u[2]
     return ca.vertcat(F_x, 0.5 * ca.sin(delta) * F_x, design_car(p).d * (u[2] - u[1]))
-
-
-def _weights(p: Signals) -> distribution.Weights:
-    return distribution.Weights(
-        force_x=p["distribution.force_x"],
-        force_y=p["distribution.force_y"],
-        moment=p["distribution.moment_z"],
-        epsilon=p["distribution.regularisation"],
-        rho=p["distribution.change"],
-    )

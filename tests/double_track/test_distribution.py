@@ -13,14 +13,15 @@ import pytest
 from scipy import sparse
 
 from fmukit.qp import qp_solver
-from fmus.controllers.mpc_allocator import distribution
-from fmus.controllers.mpc_allocator.distribution import Limits, Weights
 from fmus.controllers.mpc_allocator.programs import _WHEELS
-from fmus.double_track import data, model
+from fmus.double_track import data, distribution, model
+from fmus.double_track.distribution import Limits, Weights
 
 CAR = data.car()
 NONE = np.zeros(4)
 ALL = np.ones(4)
+LIMITS = Limits(force=3e3, power=math.inf, rate=2e4, friction=1.0)
+WEIGHTS = Weights(force_x=1.0, force_y=1.0, moment=1.0, epsilon=1e-3, rho=0.0)
 Array = np.ndarray
 Program = tuple[Array, Array, Array, Array]
 
@@ -29,9 +30,11 @@ def numbers(*values: object) -> tuple[Array, ...]:
     return tuple(ca.DM(value).full().ravel() for value in values)
 
 
-def program(wanted: tuple[Array, Array, Array], before: Array, low: Array, high: Array, **options: object) -> Program:
+def program(
+    wanted: tuple[Array, Array, Array], before: Array, low: Array, high: Array, w: Weights = WEIGHTS
+) -> Program:
     """P (4 x 4), q, low, high [kN] of `distribution.problem`, its pattern unpacked."""
-    P_nz, q, A_nz, low, high = distribution.problem(*wanted, previous=before, low=low, high=high, **options)
+    P_nz, q, A_nz, low, high = distribution.problem(*wanted, previous=before, low=low, high=high, weights=w)
     upper = ca.DM(distribution.PATTERN_P, P_nz).full()
     np.testing.assert_array_equal(ca.DM(distribution.PATTERN_A, A_nz).full(), np.eye(4))
     return upper + np.triu(upper, 1).T, *numbers(q, low, high)
@@ -95,14 +98,14 @@ def test_without_active_bound_it_is_regularised_least_squares(seed: int) -> None
     lack = np.linalg.solve(np.eye(3) + G @ G.T @ W / total, y - c - G @ centre)
     expected = centre + G.T @ W @ lack / total
     for solve in (best, by_osqp):
-        U = distribution.N * solve(*program((G, c, y), before, -1e6 * ALL, 1e6 * ALL, weights=w))
+        U = distribution.N * solve(*program((G, c, y), before, -1e6 * ALL, 1e6 * ALL, w))
         np.testing.assert_allclose(U, expected, atol=0.01)
         np.testing.assert_allclose(numbers(distribution.residual(G, c, y, U))[0], -lack, atol=0.02)
 
 
 def test_without_regularisation_it_is_the_pseudo_inverse() -> None:
     G, c, y = wish(np.random.default_rng(0))
-    U = distribution.N * best(*program((G, c, y), NONE, -1e7 * ALL, 1e7 * ALL, weights=Weights(epsilon=1e-9)))
+    U = distribution.N * best(*program((G, c, y), NONE, -1e7 * ALL, 1e7 * ALL, replace(WEIGHTS, epsilon=1e-9)))
     np.testing.assert_allclose(U, np.linalg.pinv(G) @ (y - c), rtol=1e-4)
     assert np.abs(numbers(distribution.residual(G, c, y, U))[0]).max() < 1e-2
 
@@ -113,8 +116,8 @@ def test_random_bounds() -> None:
     active = 0
     for _ in range(200):
         low, high = (rng.uniform(0, 3e3, 4) * (rng.random(4) > 0.15) for _ in range(2))
-        weights = Weights(moment=rng.uniform(1, 20), rho=rng.choice([0.0, 1e-2]))
-        qp = program(wish(rng), rng.uniform(-3e3, 3e3, 4), -low, high, weights=weights)
+        weights = replace(WEIGHTS, moment=rng.uniform(1, 20), rho=rng.choice([0.0, 1e-2]))
+        qp = program(wish(rng), rng.uniform(-3e3, 3e3, 4), -low, high, weights)
         exact, found = best(*qp), by_osqp(*qp)
         assert optimality(*qp, exact) < 1e-9
         assert optimality(*qp, found) < 1e-6
@@ -134,11 +137,15 @@ def test_generated_code() -> None:
     solvers = [qp_solver("wheels", distribution.PATTERN_P, distribution.PATTERN_A, s).function for s in settings]
     for _ in range(100):
         low, high = (rng.uniform(0, 3e3, 4) * (rng.random(4) > 0.15) for _ in range(2))
-        wanted, before, weights = wish(rng), rng.uniform(-3e3, 3e3, 4), Weights(moment=rng.uniform(1, 20), rho=1e-2)
+        wanted, before, weights = (
+            wish(rng),
+            rng.uniform(-3e3, 3e3, 4),
+            replace(WEIGHTS, moment=rng.uniform(1, 20), rho=1e-2),
+        )
         raw = distribution.problem(*wanted, previous=before, low=-low, high=high, weights=weights)
         tight, own = (solve(*raw, NONE, NONE, _WHEELS.rho, 0) for solve in solvers)
         assert int(tight[3]) == int(own[3]) == 1
-        full = program(wanted, before, -low, high, weights=weights)
+        full = program(wanted, before, -low, high, weights)
         assert optimality(*full, tight[0].full().ravel()) < 1e-6
         lack = distribution.N * (own[0].full().ravel() - best(*full))
         assert np.abs(lack).max() < 100
@@ -148,7 +155,7 @@ def test_generated_code() -> None:
 def test_all_wheels_lost() -> None:
     G, c, y = wish(np.random.default_rng(2))
     low, high = numbers(
-        *distribution.bounds(Limits(), 3e3 * ALL, NONE, 20.0, available=NONE, previous=1e3 * ALL, period=0.02)
+        *distribution.bounds(LIMITS, 3e3 * ALL, NONE, 20.0, available=NONE, previous=1e3 * ALL, period=0.02)
     )
     np.testing.assert_array_equal([*low, *high], 0.0)
     for solve in (best, by_osqp):
@@ -160,25 +167,23 @@ def test_all_wheels_lost() -> None:
 def test_a_lost_wheel_is_replaced_by_its_neighbour() -> None:
     """Straight ahead with rr lost, yaw protected: fr does its work; the sum of forces and the moment are kept."""
     G = ca.DM(distribution.effectiveness(CAR, 0.0)).full()
-    low, high = numbers(*distribution.bounds(Limits(), 3e3 * ALL, NONE, 20.0, available=np.array([1, 1, 1, 0])))
+    low, high = numbers(*distribution.bounds(LIMITS, 3e3 * ALL, NONE, 20.0, available=np.array([1, 1, 1, 0])))
     U = distribution.N * best(*program((G, np.zeros(3), np.array([3e3, 0, 0])), NONE, low, high))
     np.testing.assert_allclose(U, [750, 1500, 750, 0], rtol=2e-3)
 
 
 def test_limits_of_a_wheel() -> None:
-    """One wheel per limit: force, power, friction beside a lateral force, a lost motor with and without brake."""
+    """One wheel per limit: force, power, friction beside a lateral force, a lost motor."""
     load, lateral = np.array([9e3, 9e3, 3e3, 9e3]), np.array([0, 0, 1.8e3, 0])
-    low, high = numbers(
-        *distribution.bounds(Limits(friction=1.0), load, lateral, 10.0, available=np.array([1, 1, 1, 0]))
-    )
+    low, high = numbers(*distribution.bounds(LIMITS, load, lateral, 10.0, available=np.array([1, 1, 1, 0])))
     np.testing.assert_allclose(high, [3e3, 3e3, 2.4e3, 0])
     np.testing.assert_allclose(low, -high)
     low, high = numbers(
-        *distribution.bounds(Limits(power=6e4, brake=4e3), load, lateral, 30.0, available=np.array([1, 1, 1, 0]))
+        *distribution.bounds(replace(LIMITS, power=6e4), load, lateral, 30.0, available=np.array([1, 1, 1, 0]))
     )
     np.testing.assert_allclose(high, [2e3, 2e3, 2e3, 0])
-    np.testing.assert_allclose(low, [-2e3, -2e3, -2e3, -4e3])
-    low, high = numbers(*distribution.bounds(Limits(), load, 1e4 * ALL, 10.0, available=ALL))
+    np.testing.assert_allclose(low, [-2e3, -2e3, -2e3, 0])
+    low, high = numbers(*distribution.bounds(LIMITS, load, 1e4 * ALL, 10.0, available=ALL))
     np.testing.assert_array_equal([*low, *high], 0.0)
 
 
@@ -186,7 +191,7 @@ def test_rate_limit_yields_to_friction() -> None:
     """20 kN/s for 20 ms is 400 N: around 1 kN a step either way; a grip of 300 N is out of reach and wins."""
     before = np.array([1e3, 2.9e3, 1e3, -1e3])
     load = np.array([9e3, 9e3, 300.0, 300.0])
-    low, high = numbers(*distribution.bounds(Limits(), load, NONE, 20.0, available=ALL, previous=before, period=0.02))
+    low, high = numbers(*distribution.bounds(LIMITS, load, NONE, 20.0, available=ALL, previous=before, period=0.02))
     np.testing.assert_allclose(low, [600, 2500, 300, -300])
     np.testing.assert_allclose(high, [1400, 3000, 300, -300])
 
@@ -195,7 +200,7 @@ def test_bounds_hold_for_anything() -> None:
     """500 random wheels: never crossed, inside every limit, and no narrower than the narrowest of them allows."""
     rng = np.random.default_rng(3)
     for _ in range(500):
-        limits = Limits(*rng.uniform(0, [5e3, 1e5, 5e4, 1.5, 5e3]))
+        limits = Limits(*rng.uniform(0, [5e3, 1e5, 5e4, 1.5]))
         F_z, F_t = rng.uniform(0, 6e3, 4), rng.uniform(-6e3, 6e3, 4)
         v, available, before = rng.uniform(0, 60), rng.integers(0, 2, 4), rng.uniform(-6e3, 6e3, 4)
         low, high = numbers(
@@ -203,12 +208,11 @@ def test_bounds_hold_for_anything() -> None:
         )
         grip = np.sqrt(np.maximum((limits.friction * F_z) ** 2 - F_t**2, 0))
         motor = min(limits.force, limits.power / max(v, 1.0)) * available
-        brake = np.where(available, motor, limits.brake)
         assert (low <= high).all()
         assert (high <= np.minimum(grip, motor) + 1e-9).all()
-        assert (low >= -np.minimum(grip, brake) - 1e-9).all()
+        assert (low >= -np.minimum(grip, motor) - 1e-9).all()
         assert (high - low <= 2 * limits.rate * 0.02 + 1e-9).all()
-        inside = np.clip(before, -np.minimum(grip, brake), np.minimum(grip, motor))
+        inside = np.clip(before, -np.minimum(grip, motor), np.minimum(grip, motor))
         reached = np.abs(inside - before) <= limits.rate * 0.02
         assert (np.where(reached, (low <= inside + 1e-9) & (inside <= high + 1e-9), low == high)).all()
 
@@ -221,7 +225,9 @@ def test_more_limit_never_hurts() -> None:
         costs = []
         for force, friction, sound in ((1e3, 0.5, 0), (2e3, 0.5, 0), (2e3, 1.0, 0), (2e3, 1.0, 1)):
             available = np.array([1, 1, 1, sound])
-            low, high = distribution.bounds(Limits(force, friction=friction), F_z, F_t, 20.0, available=available)
+            low, high = distribution.bounds(
+                replace(LIMITS, force=force, friction=friction), F_z, F_t, 20.0, available=available
+            )
             P, q, least, most = program(wanted, NONE, low, high)
             x = best(P, q, least, most)
             costs.append(0.5 * x @ P @ x + q @ x)

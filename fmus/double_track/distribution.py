@@ -8,9 +8,8 @@ numbers are of order one. Every function works on CasADi symbols and on numbers;
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import casadi as ca
 
@@ -32,26 +31,38 @@ class Weights:
     Numbers or symbols. epsilon > 0 makes the problem strictly convex: three forces do not determine four.
     """
 
-    force_x: Any = 1.0
-    force_y: Any = 1.0
-    moment: Any = 1.0
-    epsilon: Any = 1e-3
-    rho: Any = 0.0
+    force_x: Any
+    force_y: Any
+    moment: Any
+    epsilon: Any
+    rho: Any
 
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What one wheel can do: motor force [N] and power [W], rate of its force [N/s], tyre-road friction mu.
+    """What a wheel can do: motor force [N] and power [W], rate of its force [N/s], friction; numbers or symbols."""
 
-    The default motor is limited by its force alone (engineering choice).
-    `brake` [N]: the friction brake force of a wheel whose motor is lost; 0 leaves that wheel free. Numbers or symbols.
-    """
+    force: Any
+    power: Any
+    rate: Any
+    friction: Any
 
-    force: Any = 3e3
-    power: Any = math.inf
-    rate: Any = 2e4
-    friction: Any = 1.0
-    brake: Any = 0.0
+
+class Named(Protocol):
+    """Parameters of MpcAllocator by name, numbers or symbols."""
+
+    def __getitem__(self, name: str, /) -> Any: ...
+
+
+def weights_of(p: Named) -> Weights:
+    """The weights among the parameters."""
+    names = ("force_x", "force_y", "moment_z", "regularisation", "change")
+    return Weights(*(p[f"distribution.{name}"] for name in names))
+
+
+def limits_of(p: Named) -> Limits:
+    """The limits among the parameters."""
+    return Limits(*(p[f"limit.{name}"] for name in ("force", "power", "force_rate", "friction")))
 
 
 def effectiveness(car: DoubleTrackCar, delta: Any) -> Any:
@@ -84,7 +95,7 @@ def bounds(
     """
     motor = available * ca.fmin(limits.force, limits.power / ca.fmax(v, _LEAST_SPEED))
     grip = ca.sqrt(ca.fmax((limits.friction * F_z) ** 2 - F_t**2, 0))
-    low, high = -ca.fmin(motor + (1 - available) * limits.brake, grip), ca.fmin(motor, grip)
+    low, high = -ca.fmin(motor, grip), ca.fmin(motor, grip)
     if previous is None:
         return low, high
     step = limits.rate * period
@@ -92,13 +103,13 @@ def bounds(
 
 
 def problem(
-    G: Any, c: Any, y_star: Any, *, previous: Any, low: Any, high: Any, weights: Weights | None = None
+    G: Any, c: Any, y_star: Any, *, previous: Any, low: Any, high: Any, weights: Weights
 ) -> tuple[Any, Any, Any, Any, Any]:
     """(P_nz (10), q (4), A_nz (4), l (4), u (4)) of the QP 1/2 U'PU + q'U, l <= A U <= u in kN; A is the identity.
 
     P_nz are the nonzeros of the upper triangle `PATTERN_P` by columns, A_nz those of `PATTERN_A`.
     """
-    w = weights or Weights()
+    w = weights
     W = ca.diag(ca.vertcat(w.force_x, w.force_y, w.moment))
     P = G.T @ W @ G + (w.epsilon + w.rho) * ca.DM.eye(4)
     q = -(G.T @ W @ (y_star - c) + w.rho * previous) / N
