@@ -15,10 +15,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Component:
-    """The interface, and the module whose `kernel()` returns the component's `Kernel`, or its `PythonKernel`."""
+    """The interface, and the module whose `kernel()` returns the component's `Kernel`, or its `PythonKernel`.
+
+    `packages` that the host of the FMU must have: those of the kernel, which names their versions.
+    """
 
     interface: Interface
     model: str
+    packages: tuple[str, ...] = ()
 
     def kernel(self) -> Kernel | PythonKernel:
         """Make the kernel: imports the model, and casadi with it."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -66,15 +67,15 @@ def list_(as_json: Annotated[bool, typer.Option("--json", help="Print JSON and n
         print(json.dumps([_facts(component) for component in CATALOGUE], indent=2))
         return
     table = Table(box=None)
-    for heading, justify in (("name", "left"), ("kind", "left"), ("step [s]", "right"), ("par", "right")):
-        table.add_column(heading, justify=justify)  # type: ignore[arg-type]
-    table.add_column("in", justify="right")
-    table.add_column("out", justify="right")
+    table.add_column("name", min_width=max(len(component.interface.name) for component in CATALOGUE))
+    table.add_column("kind")
+    for heading in ("step [s]", "par", "in", "out"):
+        table.add_column(heading, justify="right")
     table.add_column("what it is")
     for component in CATALOGUE:
         face = component.interface
         counts = [str(len(face.select(causality))) for causality in ("parameter", "input", "output")]
-        table.add_row(face.name, face.kind, f"{face.step:g}", *counts, face.description)
+        table.add_row(face.name, face.kind, f"{face.step:g}", *counts, face.description + _needs(component))
     Console().print(table)
 
 
@@ -110,6 +111,8 @@ def _busy(name: str) -> Iterator[None]:
 
 
 def _build(component: Component, directory: Path, platforms: Sequence[str], bundle: bool) -> Path:
+    # Where matplotlib cannot keep its own cache it says at length that it goes on without; the pictures are the same.
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
     from fmukit.build.builder import build as build_fmu  # noqa: PLC0415 (imports casadi)
 
     return build_fmu(component, directory, platforms, bundle=bundle)
@@ -123,10 +126,15 @@ def _select(names: list[str]) -> list[Component]:
     return [catalogue[name] for name in names] or list(CATALOGUE)
 
 
+def _needs(component: Component) -> str:
+    return f" (its host needs Python with {' and '.join(component.packages)})" if component.packages else ""
+
+
 def _facts(component: Component) -> dict[str, object]:
     face = component.interface
     ports = [
         {"name": v.name, "causality": v.causality, "type": v.type, "unit": v.unit, "description": v.description}
         for v in face.variables
     ]
-    return {"name": face.name, "kind": face.kind, "step": face.step, "description": face.description, "ports": ports}
+    about = {"name": face.name, "kind": face.kind, "step": face.step, "description": face.description}
+    return about | {"packages": list(component.packages), "ports": ports}

@@ -46,6 +46,7 @@ def build(
     for platform in targets:
         compiler.command(platform)
     kernel = component.kernel()
+    _check_packages(component, kernel)
     recording = recorded(component, kernel)
     made = crosscheck.bundle(interface.name, recording, packages(kernel)) if bundle and recording else {}
     solvers = isinstance(kernel, Kernel) and bool(kernel.solvers)
@@ -54,6 +55,15 @@ def build(
     for name, data in made.items():
         files.write(Path(directory) / name, data)
     return Path(directory) / f"{interface.name}.fmu"
+
+
+def _check_packages(component: Component, kernel: Kernel | PythonKernel) -> None:
+    named, needed = sorted(component.packages), sorted(packages(kernel))
+    if named != needed:
+        raise BuildError(
+            f"the component {component.interface.name} names the packages {named}, but its kernel needs {needed}; "
+            "name the same in both"
+        )
 
 
 def _model(interface: Interface, kernel: Kernel | PythonKernel, targets: tuple[str, ...]) -> dict[str, bytes]:

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from fmukit.python_kernel import packages
 from fmus import CATALOGUE, cli
 
 ROOT = Path(__file__).parents[2]
@@ -25,6 +26,31 @@ def test_list_json_holds_the_catalogue() -> None:
     listed = json.loads(_fmus("list", "--json").stdout)
     assert [entry["name"] for entry in listed] == [component.interface.name for component in CATALOGUE]
     assert all(port["unit"] and port["description"] for entry in listed for port in entry["ports"])
+
+
+def test_list_says_what_the_host_of_an_fmu_needs() -> None:
+    listed = {entry["name"]: entry["packages"] for entry in json.loads(_fmus("list", "--json").stdout)}
+    assert {name: needed for name, needed in listed.items() if needed} == {
+        component.interface.name: sorted(packages(component.kernel())) for component in CATALOGUE if component.packages
+    }
+    assert listed["RecedingHorizonPlanner"] == ["casadi", "numpy"]
+    printed = " ".join(_fmus("list").stdout.split())
+    assert printed.count("needs Python with casadi and numpy") == 1
+    assert all(f" {name} " in f" {printed} " for name in listed)
+
+
+def test_a_cache_that_cannot_be_written_is_one_sentence_or_not_needed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", "/proc/nix")
+    monkeypatch.delenv("MPLCONFIGDIR", raising=False)
+    failed = _fmus("build", "RecedingHorizonPlanner", "-d", str(tmp_path))
+    assert failed.returncode == 2
+    (only,) = failed.stderr.splitlines()
+    assert only.startswith("fmus: the cache folder /proc/nix/")
+    assert only.endswith("or name another place in XDG_CACHE_HOME")
+    done = _fmus("build", "Imu", "-d", str(tmp_path))
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_build_makes_the_named_fmu(tmp_path: Path) -> None:

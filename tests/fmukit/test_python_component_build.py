@@ -53,7 +53,7 @@ def copied(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 
 
 def _component() -> Component:
-    return Component(demo_search.INTERFACE, "demo_copy.model")
+    return Component(demo_search.INTERFACE, "demo_copy.model", ("casadi",))
 
 
 def test_it_brings_the_modules_it_imports_and_nothing_else(members: dict[str, bytes]) -> None:
@@ -109,6 +109,12 @@ def test_what_an_output_depends_on_at_the_start_is_left_open(members: dict[str, 
     unknowns = members["modelDescription.xml"].decode().partition("<InitialUnknowns>")[2]
     assert "Unknown" in unknowns
     assert "dependencies" not in unknowns
+
+
+def test_a_component_names_the_packages_of_its_kernel(tmp_path: Path) -> None:
+    silent = Component(demo_search.INTERFACE, "demo_search.model")
+    with pytest.raises(BuildError, match=r"DemoSearch names the packages \[\], but its kernel needs \['casadi'\]"):
+        build(silent, tmp_path)
 
 
 IMPORTS = {

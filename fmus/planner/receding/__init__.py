@@ -3,4 +3,4 @@
 from fmukit.component import Component
 from fmus.planner.receding.interface import INTERFACE
 
-COMPONENT = Component(INTERFACE, "fmus.planner.receding.model")
+COMPONENT = Component(INTERFACE, "fmus.planner.receding.model", ("casadi", "numpy"))

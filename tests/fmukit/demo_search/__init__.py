@@ -22,4 +22,4 @@ INTERFACE = sampled(
         output("count", "1", "number of samples so far"),
     ],
 )
-COMPONENT = Component(INTERFACE, "demo_search.model")
+COMPONENT = Component(INTERFACE, "demo_search.model", ("casadi",))
