@@ -12,7 +12,16 @@ from collections.abc import Iterator
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks import closed_loop, exchange, local_problem, planning, plant_kernel, qp_in_fmu, qp_solvers
+from benchmarks import (
+    closed_loop,
+    exchange,
+    local_problem,
+    mpc_sample,
+    planning,
+    plant_kernel,
+    qp_in_fmu,
+    qp_solvers,
+)
 from cosim.scenarios._catalogue import fmu_path
 
 Row = tuple[str, str, str, str]
@@ -26,12 +35,20 @@ def main() -> None:
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     table = Table("what", "value", "against", "aim")
-    programs = (local_problem.rows(rounds), qp_solvers.rows(rounds), qp_in_fmu.rows(rounds))
-    for rows in (_exchange(rounds), _kernel(rounds), _loop(rounds), _planning(rounds), *programs):
+    modules = (planning, local_problem, qp_solvers, qp_in_fmu, mpc_sample)
+    before = _load()
+    for rows in (_exchange(rounds), _kernel(rounds), _loop(rounds), *(module.rows(rounds) for module in modules)):
         for row in rows:
             table.add_row(*row)
         table.add_section()
     Console().print(table)
+    if before:
+        print(f"Load average {before} before and {_load()} after, on {os.cpu_count()} cores.")
+
+
+def _load() -> str:
+    """Of the last minute, where the system tells."""
+    return f"{os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else ""
 
 
 def _positive(text: str) -> int:
@@ -58,23 +75,6 @@ def _loop(rounds: int | None) -> Iterator[Row]:
     yield "share of the master", f"{seen.share['master']:.1%}", "wall time of the run", "< 25 %"
     for name, microseconds in seen.microseconds_per_call.items():
         yield f"  {name}", f"{seen.share[name]:.1%}", f"wall time of the run; {microseconds:.1f} us per exchange", ""
-
-
-def _planning(rounds: int | None) -> Iterator[Row]:
-    for (grid, m), aim in planning.AIMS.items():
-        seen = planning.measure(grid, m, rounds or planning.ROUNDS, peers=(grid, m) == ("gate", 80))
-        ours, slow = seen.compiled, seen.interpreted.seconds
-        against = f"s, compiled; {ours.seconds / slow:.2f} of {slow:.2f} s interpreted; processor {ours.least:.3f} s"
-        yield f"plan, {grid} grid, m = {m}", f"{ours.seconds:.3f}", against, f"<= {aim:.2f} s"
-        if seen.opti and seen.fatrop:
-            plain, own, other = seen.opti.seconds, 1e3 * ours.own, 1e3 * seen.fatrop.own
-            yield "  of the same in plain CasADi", f"{ours.seconds / plain:.2f}", f"{plain:.2f} s with Opti", ""
-            yield (
-                "  IPOPT of fatrop",
-                f"{own / other:.2f}",
-                f"{own:.0f} ms / {other:.0f} ms without derivatives",
-                "<= 1",
-            )
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ the derivatives, which both call alike.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from statistics import median
 from time import perf_counter, process_time
@@ -25,13 +26,14 @@ AIMS: dict[tuple[Grid, int], float] = {("gate", 80): 0.10, ("gate", 160): 0.30, 
 
 @dataclass(frozen=True, slots=True)
 class Timed:
-    """Of several rounds: `seconds` median of the wall time, `least` processor time, `own` the solver's share of it.
+    """Of several rounds: wall time `seconds`, `worst` and processor time `processor`, both medians but for the worst.
 
-    `final_time` [s] of the plan.
+    `own` is the solver's share of the processor time, without derivatives; `final_time` [s] of the plan.
     """
 
     seconds: float
-    least: float
+    worst: float
+    processor: float
     own: float
     iterations: int
     final_time: float
@@ -64,14 +66,14 @@ def measure(grid: Grid, m: int, rounds: int = ROUNDS, *, peers: bool = False) ->
 
 
 def _timed(run: Run, rounds: int) -> Timed:
-    wall, processor = [], []
+    wall, processor, own = [], [], []
     for _ in range(rounds):
         start = perf_counter(), process_time()
         stats, final_time = run()
         wall.append(perf_counter() - start[0])
         processor.append(process_time() - start[1])
-    inside = sum(value for name, value in stats.items() if name.startswith("t_proc_nlp"))
-    return Timed(median(wall), min(processor), processor[-1] - inside, int(stats["iter_count"]), final_time)
+        own.append(processor[-1] - sum(value for name, value in stats.items() if name.startswith("t_proc_nlp")))
+    return Timed(median(wall), max(wall), median(processor), median(own), int(stats["iter_count"]), final_time)
 
 
 def _program(grid: Grid, m: int) -> tuple[Program, Nodes]:
@@ -96,3 +98,25 @@ def _planner(program: Program, first: Nodes, *, compile_: bool) -> Run:
         return solver.call.stats(), float(program.unpack(found["x"].full().ravel()).times[-1])
 
     return run
+
+
+def rows(rounds: int | None) -> Iterator[tuple[str, str, str, str]]:
+    """What `python -m benchmarks` prints."""
+    for (grid, m), aim in AIMS.items():
+        seen = measure(grid, m, rounds or ROUNDS, peers=(grid, m) == ("gate", 80))
+        ours, slow = seen.compiled, seen.interpreted
+        against = f"wall time, median; worst {ours.worst:.3f} s; processor {ours.processor:.3f} s, median"
+        yield f"plan, {grid} grid, m = {m}, compiled", f"{ours.seconds:.3f} s", against, f"<= {aim:.2f} s"
+        yield _ratio("  compiled against interpreted", ours.seconds, slow.seconds, "wall time", "< 1")
+        if seen.opti and seen.fatrop:
+            yield _ratio("  compiled against plain CasADi", ours.seconds, seen.opti.seconds, "with Opti", "< 1")
+            yield _ratio("  IPOPT against fatrop", ours.own, seen.fatrop.own, "processor, without derivatives", "<= 1")
+
+
+def _ratio(what: str, ours: float, peer: float, against: str, aim: str) -> tuple[str, str, str, str]:
+    return what, f"{ours / peer:.2f}", f"{ours:.3f} s / {peer:.3f} s {against}", aim
+
+
+if __name__ == "__main__":
+    for row in rows(None):
+        print("  |  ".join(row))

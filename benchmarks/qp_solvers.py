@@ -1,4 +1,7 @@
-"""The two quadratic programs of MpcAllocator, as they come up in its reference run, by several solvers."""
+"""The two quadratic programs of MpcAllocator, as they come up in its reference run, by several solvers.
+
+Solvers take their turns one after the other, so that they are compared by the best round of each problem.
+"""
 
 from __future__ import annotations
 
@@ -12,6 +15,7 @@ import numpy as np
 from benchmarks import qp_peers
 from benchmarks.qp_peers import Solve
 from benchmarks.qp_problems import Problem, recorded
+from benchmarks.spread import Spread, microseconds, spread
 from fmukit.qp import QpSolver
 from fmus.controllers.mpc_allocator import COMPONENT
 
@@ -26,19 +30,18 @@ _SHOWN = {
 
 @dataclass(frozen=True, slots=True)
 class Seen:
-    """Microseconds over all problems, mean and worst inside the solver and mean of the call from Python.
+    """Microseconds over all problems, inside the solver and of the call from Python.
 
     `error`: the largest excess of a row over its bounds or relative loss of cost, against a solution to 1e-9.
     """
 
-    inside: float
-    worst: float
-    call: float
+    inside: Spread
+    call: Spread
     error: float
 
 
 def measure(rounds: int = ROUNDS) -> dict[str, dict[str, Seen | str]]:
-    """By program and solver, from the best of the rounds for each problem; or why there is nothing."""
+    """By program and solver; or why there is nothing."""
     kernel = COMPONENT.kernel()
     problems = recorded(COMPONENT, kernel)
     return {solver.name: _compare(solver, problems[solver.name][::_EVERY], rounds) for solver in kernel.solvers}
@@ -46,25 +49,29 @@ def measure(rounds: int = ROUNDS) -> dict[str, dict[str, Seen | str]]:
 
 def rows(rounds: int | None) -> Iterator[tuple[str, str, str, str]]:
     """What `python -m benchmarks` prints: microseconds of the generated C, and the others as multiples of it."""
-    for program, seen in measure(rounds or ROUNDS).items():
+    rounds = rounds or ROUNDS
+    for program, seen in measure(rounds).items():
         title, aim = _SHOWN[program]
         own = seen[_OWN]
         assert isinstance(own, Seen)
-        yield (
-            f"{title}: generated C",
-            f"{own.inside:.1f}",
-            f"us, mean; worst {own.worst:.1f}; error {own.error:.0e}",
-            aim,
-        )
+        against = f"{microseconds(own.inside, rounds)}; error {own.error:.0e}"
+        yield f"{title}: generated C", f"{own.inside.mean:.1f} us", against, aim
         for name, other in seen.items():
-            if isinstance(other, str):
-                yield f"  {name}", "-", other, ""
-            elif name != _OWN:
-                against = f"times that; {other.inside:.1f} us inside, worst {other.worst:.1f}; error {other.error:.0e}"
-                yield f"  {name}", f"{other.inside / own.inside:.2f}", against, ""
-            if name == _INTERPRETED and isinstance(other, Seen):
-                against = f"times that; {other.call:.1f} us called from Python"
-                yield "  interpreted against compiled", f"{other.call / own.inside:.2f}", against, ""
+            if name != _OWN:
+                yield from _beside(name, own.inside, other)
+
+
+def _beside(name: str, own: Spread, other: Seen | str) -> Iterator[tuple[str, str, str, str]]:
+    """Another solver as a multiple of ours, the best rounds of both."""
+    if isinstance(other, str):
+        yield f"  {name}", "-", other, ""
+        return
+    best, called = other.inside.best_mean, other.call.best_mean
+    against = f"times that: {best:.1f} us, worst {other.inside.best_worst:.1f}, best rounds; error {other.error:.0e}"
+    yield f"  {name}", f"{best / own.best_mean:.2f}", against, ""
+    if name == _INTERPRETED:
+        against = f"times that: {called:.1f} us with the call from Python, best rounds"
+        yield "  interpreted against compiled", f"{called / own.best_mean:.2f}", against, ""
 
 
 def _compare(solver: QpSolver, problems: Sequence[Problem], rounds: int) -> dict[str, Seen | str]:
@@ -89,14 +96,13 @@ def _makers(solver: QpSolver, first: Problem) -> dict[str, Callable[[], Solve] |
 
 
 def _seen(solve: Solve, problems: Sequence[Problem], best: Sequence[np.ndarray], rounds: int) -> Seen:
-    inside, call, error = np.full(len(problems), np.inf), np.full(len(problems), np.inf), 0.0
-    for _ in range(rounds):
-        for i, (problem, exact) in enumerate(zip(problems, best, strict=True)):
-            x, seconds, called = solve(problem)
-            inside[i], call[i] = min(inside[i], seconds), min(call[i], called)
+    inside, call, error = np.empty((rounds, len(problems))), np.empty((rounds, len(problems))), 0.0
+    for i in range(rounds):
+        for j, (problem, exact) in enumerate(zip(problems, best, strict=True)):
+            x, inside[i, j], call[i, j] = solve(problem)
             loss = (problem.cost(x) - problem.cost(exact)) / (1.0 + abs(problem.cost(exact)))
             error = max(error, problem.violation(x), loss)
-    return Seen(1e6 * inside.mean(), 1e6 * inside.max(), 1e6 * call.mean(), error)
+    return Seen(spread(1e6 * inside), spread(1e6 * call), error)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,35 @@
+"""The figures with an aim stay within three times of it, so that a machine may be slow but a program may not.
+
+Means count everything; of the worst case the best of several rounds, which another program cannot spoil.
+"""
+
+from __future__ import annotations
+
+import pytest
+
+from benchmarks import mpc_sample, planning, qp_in_fmu
+
+pytestmark = pytest.mark.nightly
+_SLOW = 3.0
+
+
+def test_solvers_of_mpc_allocator_inside_the_fmu() -> None:
+    found, exchange = qp_in_fmu.measure(rounds=3)
+    for name, seen in found.items():
+        assert 0.0 < seen.time.mean <= _SLOW * qp_in_fmu.MEAN[name]
+        assert seen.time.best_mean <= seen.time.best_worst <= seen.time.worst
+    for name, limit in qp_in_fmu.WORST.items():
+        assert found[name].time.best_worst <= _SLOW * limit
+    assert exchange > sum(seen.time.mean for seen in found.values())
+
+
+def test_a_compiled_sample_is_faster_than_an_interpreted_one() -> None:
+    compiled, interpreted = mpc_sample.measure(rounds=2)
+    assert compiled.best_mean < interpreted.best_mean
+
+
+@pytest.mark.parametrize(("grid", "m"), planning.AIMS)
+def test_plans_after_compilation(grid: planning.Grid, m: int) -> None:
+    seen = planning.measure(grid, m, rounds=3)
+    assert seen.compiled.seconds <= _SLOW * planning.AIMS[grid, m]
+    assert seen.compiled.processor < seen.interpreted.processor
