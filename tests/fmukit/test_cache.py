@@ -68,12 +68,13 @@ def test_what_is_in_use_stays_for_longer_than_a_month(root: Path) -> None:
 
 def test_another_process_may_remove_the_same_at_the_same_time(root: Path) -> None:
     """A link to nothing is what a folder looks like that was listed and then removed."""
-    (root / "thing-0").symlink_to("nothing")
-    old = root / "thing-1"
-    old.mkdir()
-    os.utime(old, (LONG_AGO, LONG_AGO))
+    old = [root / f"thing-old{i}" for i in range(8)]
+    for i, folder in enumerate(old):
+        folder.with_name(f"thing-gone{i}").symlink_to("nothing")
+        folder.mkdir()
+        os.utime(folder, (LONG_AGO, LONG_AGO))
     assert cache.kept("thing-2", "thing.so", lambda: DATA).read_bytes() == DATA
-    assert not old.exists()
+    assert not any(folder.exists() for folder in old)
 
 
 def test_what_cannot_be_removed_does_not_spoil_what_was_made(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
