@@ -56,7 +56,7 @@ def plan_command(
     if name == avoidance_cli.NAME:
         avoidance_cli.avoidance_command(file, _given(context), as_json=as_json)
         return
-    from fmus.planner import plans, trajectory  # noqa: PLC0415  (lazy: `--help` answers at once)
+    from fmus.planner import files, plans, trajectory  # noqa: PLC0415  (lazy: `--help` answers at once)
     from fmus.planner.cars import CARS  # noqa: PLC0415
     from fmus.planner.errors import PlanningError  # noqa: PLC0415
 
@@ -64,6 +64,8 @@ def plan_command(
         raise CosimError("--lost-motor changes the wheel forces only; name their file with --forces")
     target, planned = file if file is not None else Path(f"{Path(name).stem}-plan.csv"), CARS[car]()
     try:
+        road = None if name in plans.ROADS else Path(name)
+        files.check_outputs([target] if forces is None else [target, forces], road)
         found = plans.named(name, m, grid, speed, planned.vehicle)
         trajectory.write(found, target)
         figures = _figures(found, target)
@@ -71,7 +73,7 @@ def plan_command(
             figures |= _written_forces(found, planned.whole, lost_motor or [], forces)
     except PlanningError as error:
         raise CosimError(str(error)) from error
-    for remark in plans.remarks(figures["violation"], figures["replay_error"]):
+    for remark in plans.remarks(*(figures[key] for key in ("violation", "replay_error", "residual", "status"))):
         print(f"cosim: {remark}", file=sys.stderr)
     if as_json:
         print(json.dumps(figures, indent=2))

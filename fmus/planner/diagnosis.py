@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -20,8 +21,11 @@ _PLACE = (1, 4, _SPEED)
 """What a user may choose at the start: lateral position, heading, speed; a start out of a skid is no remedy."""
 _SAME = 1e-2
 
-Search = Callable[[Ends], Ends]
-"""(prescribed ends) -> the ends of a plan with these. Raises SearchError when none is found."""
+FINE = 40
+"""Intervals to try when there is no plan on less than half as many (engineering choice)."""
+
+Search = Callable[[Ends, Gates], Ends]
+"""(prescribed ends, gates) -> the ends of a plan with these. Raises SearchError when none is found."""
 
 
 def check_ends(vehicle: Vehicle, gates: Gates, ends: Ends) -> None:
@@ -34,10 +38,19 @@ def check_ends(vehicle: Vehicle, gates: Gates, ends: Ends) -> None:
                 raise PlanningError(f"the {name} at the {text} is {value:g}; it must be in [{least:g}, {most:g}]")
 
 
-def explained(failure: SearchError, ends: Ends, gates: Gates, search: Search) -> PlanningError:
-    """The failure with what would do instead: the least part of the ends that must give way, or the road."""
+def explained(
+    failure: SearchError, ends: Ends, gates: Gates, search: Search, finer: Gates | None = None
+) -> PlanningError:
+    """The failure with what would do instead: a finer mesh, the least part of the ends that must give way, or the road.
+
+    `finer` gates are given when the mesh is so coarse that it may be the matter.
+    """
+    if finer is not None:
+        with suppress(SearchError):
+            search(ends, finer)
+            return PlanningError(f"{failure}; there is one on {len(finer.frames) - 1} intervals, take more of them")
     try:
-        free = search(Ends(_freed(ends.first, *_PLACE), _freed(ends.last)))
+        free = search(Ends(_freed(ends.first, *_PLACE), _freed(ends.last)), gates)
     except SearchError as again:
         x, y = gates.frames[again.interval, :2]
         return PlanningError(
@@ -46,7 +59,7 @@ def explained(failure: SearchError, ends: Ends, gates: Gates, search: Search) ->
         )
     for relaxed in _relaxed(ends):
         try:
-            return _instead(failure, ends, search(relaxed))
+            return _instead(failure, ends, search(relaxed, gates))
         except SearchError:
             continue
     return _instead(failure, ends, free)

@@ -22,6 +22,7 @@ from fmus.double_track.distribution import Limits, Weights
 from fmus.double_track.model import motion
 from fmus.planner import check
 from fmus.planner.errors import PlanningError
+from fmus.planner.files import write_table
 from fmus.planner.gates import Array
 from fmus.planner.hocp import Plan
 from fmus.single_track.data import Car
@@ -108,12 +109,7 @@ def default_weights() -> Weights:
 def write(forces: Forces, file: Path) -> None:
     """Write `COLUMNS` as CSV; raises PlanningError when the file cannot be written."""
     f = forces
-    table = np.vstack([f.times, f.states, f.inputs, f.wanted, f.U, f.residual]).T
-    rows = [",".join(COLUMNS), *(",".join(f"{value:.9g}" for value in row) for row in table)]
-    try:
-        file.write_text("\n".join(rows) + "\n", "utf-8")
-    except OSError as error:
-        raise PlanningError(f"{file} cannot be written ({error.strerror}); name another file") from error
+    write_table(COLUMNS, np.vstack([f.times, f.states, f.inputs, f.wanted, f.U, f.residual]).T, file)
 
 
 def _starts() -> dict[str, float | bool | str]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from fmus.planner import check, gate_grid, guess, time_grid
 from fmus.planner.bends import check_bends
-from fmus.planner.diagnosis import check_ends, explained
+from fmus.planner.diagnosis import FINE, check_ends, explained
 from fmus.planner.errors import PlanningError, SearchError
 from fmus.planner.frames import into_frames
 from fmus.planner.gates import Array, Gates
@@ -99,16 +99,19 @@ def plan(
     check_ends(vehicle, gates, ends)
     check_bends(vehicle, gates)
 
-    def attempt(other: Ends, limit: int) -> Found:
-        first = _guess(vehicle, gates, other, settings, start)
+    def attempt(limit: int, other: Ends, on: Gates) -> Found:
+        first = _guess(vehicle, on, other, settings, start)
         options = ipopt_options(limit, settings.tolerance, warm=start is not None)
-        return search(_program(vehicle, road, gates, other, settings), first, options, compile_=settings.compile)
+        return search(_program(vehicle, road, on, other, settings), first, options, compile_=settings.compile)
+
+    def remedy(other: Ends, on: Gates) -> Ends:
+        limit = min(settings.max_iterations, _REMEDY_ITERATIONS)
+        return _ends_of(attempt(limit, other, on).nodes, on)
 
     try:
-        return _plan(vehicle, road, settings, attempt(ends, settings.max_iterations))
+        return _plan(vehicle, road, settings, attempt(settings.max_iterations, ends, gates))
     except SearchError as failure:
-        limit = min(settings.max_iterations, _REMEDY_ITERATIONS)
-        raise explained(failure, ends, gates, lambda other: _ends_of(attempt(other, limit).nodes, gates)) from None
+        raise explained(failure, ends, gates, remedy, road.gates(FINE) if m < FINE // 2 else None) from None
 
 
 def refine(

@@ -66,8 +66,10 @@ def read_road(path: Path, clearance: float = 0.84, closed: bool = False) -> Path
     try:
         with path.open(newline="", encoding="utf-8") as file:
             rows = list(csv.reader(file))
-    except (OSError, UnicodeDecodeError) as error:
-        raise PlanningError(f"the road {path} cannot be read ({error}); name a CSV file") from error
+    except OSError as error:
+        raise PlanningError(f"the road {path} cannot be read ({error.strerror}); name a CSV file") from error
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise PlanningError(f"the road {path} is not a text in UTF-8; name a CSV file") from error
     header = tuple(cell.strip() for cell in rows[0]) if rows else ()
     if header != COLUMNS:
         raise PlanningError(f"the road {path} must begin with the line {','.join(COLUMNS)}")

@@ -24,6 +24,9 @@ ROADS: dict[str, Callable[[], Corridor]] = {
 """The roads known by name; `test-drive` is the published one with its sharp edges."""
 _LARGEST_VIOLATION, _LARGEST_ERROR = 0.2, 0.01
 """What is let pass without a remark [m] (engineering choices)."""
+_LARGEST_RESIDUAL = 1e-5
+"""The same, in scaled units: of size one, IPOPT asks for 1e-8 (engineering choice)."""
+_CONVERGED = "Solve_Succeeded"
 
 
 def named(name: str, m: int, grid: Grid, speed: float, vehicle: Vehicle | None = None) -> Plan:
@@ -38,9 +41,13 @@ def named(name: str, m: int, grid: Grid, speed: float, vehicle: Vehicle | None =
     return hocp.plan(vehicle or two_wheel_drive(car()), _road(name), m, ends, Settings(grid=grid))
 
 
-def remarks(violation: float, replay_error: float) -> list[str]:
-    """What a user should know of a plan on a mesh too coarse for its road; distances in m, see `Plan`."""
+def remarks(violation: float, replay_error: float, residual: float, status: str) -> list[str]:
+    """What a user should know of a search that stopped early or a mesh too coarse; distances in m, see `Plan`."""
     found = []
+    if status != _CONVERGED:
+        found.append(f"IPOPT ended with {status}: the plan may not be the fastest; try other intervals")
+    if residual > _LARGEST_RESIDUAL:
+        found.append(f"at its nodes the plan breaks its constraints by {residual:.2g} (scaled); try other intervals")
     if violation > _LARGEST_VIOLATION:
         found.append(f"between its nodes the plan leaves the road by {violation:.2f} m; take more intervals")
     if replay_error > _LARGEST_ERROR:

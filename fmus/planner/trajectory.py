@@ -8,7 +8,7 @@ import numpy as np
 
 from fmus.controllers.reference.interface import COLUMNS, ROWS
 from fmus.planner import check
-from fmus.planner.errors import PlanningError
+from fmus.planner.files import write_table
 from fmus.planner.gates import Array
 from fmus.planner.hocp import Plan
 from fmus.planner.vehicle import Vehicle
@@ -38,8 +38,4 @@ def write(plan: Plan, file: Path, finer: int = check.FINER) -> None:
 
 def write_rows(rows: Array, file: Path) -> None:
     """Write rows (n, 7) in the order of the columns with the header line; PlanningError as `write`."""
-    lines = [",".join(COLUMNS), *(",".join(f"{value:.9g}" for value in row) for row in rows)]
-    try:
-        file.write_text("\n".join(lines) + "\n", "utf-8")
-    except OSError as error:
-        raise PlanningError(f"{file} cannot be written ({error.strerror}); name another file") from error
+    write_table(COLUMNS, rows, file)

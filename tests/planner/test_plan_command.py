@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from cosim.cli import main
+from fmus.planner import plans
 
 
 def run(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
@@ -41,6 +42,22 @@ def test_a_coarse_mesh_is_remarked_on(
     assert not capsys.readouterr().err
 
 
+def test_searches_that_stopped_early_are_remarked_on() -> None:
+    assert plans.remarks(0.0, 0.0, 1e-9, "Solve_Succeeded") == []
+    (stopped,) = plans.remarks(0.0, 0.0, 1e-9, "Solved_To_Acceptable_Level")
+    assert "Solved_To_Acceptable_Level" in stopped
+    (broken,) = plans.remarks(0.0, 0.0, 3e-4, "Solve_Succeeded")
+    assert "breaks its constraints by 0.0003" in broken
+
+
+def test_a_road_that_is_no_text(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "road.csv").write_bytes(bytes(range(256)))
+    assert run(monkeypatch, str(tmp_path / "road.csv")) == 2
+    assert "is not a text in UTF-8" in capsys.readouterr().err
+
+
 def test_road_of_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     rows = "".join(f"{10 * k},0,3,3\n" for k in range(18))
@@ -54,7 +71,8 @@ def test_road_of_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
     [
         (["double-lane-chnge"], "did you mean double-lane-change?"),
         (["moon"], "known are double-lane-change, test-drive"),
-        (["none.csv"], "cannot be read"),
+        (["none.csv"], "the road none.csv cannot be read (No such file or directory); name a CSV file"),
+        (["double-lane-change", "-m", "2"], "; there is one on 40 intervals, take more of them"),
         (["double-lane-change", "--speed", "99"], "the speed at the start is 99"),
         (["double-lane-change", "--speed", "nan"], "give a speed"),
         (["double-lane-change", "--speed", "2"], "the speed at the start is 2; it must be in [3, 60]"),

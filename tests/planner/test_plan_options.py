@@ -67,7 +67,11 @@ def test_car_of_the_multibody_plant(
         (["--lost-motor", "rr"], "name their file with --forces"),
         (["--forces", "f.csv", "--lost-motor", "middle"], "'middle' is not one of"),
         (["--car", "moon"], "'moon' is not one of"),
-        (["--forces", "none/f.csv"], "cannot be written"),
+        (["--forces", "none/f.csv"], "none/f.csv cannot be written (No such file or directory)"),
+        (["--forces", "."], "cannot be written (Is a directory)"),
+        (["--forces", "a.csv", "-o", "a.csv"], "trajectory and forces cannot both be written to a.csv; name two files"),
+        (["--forces", "double-lane-change-plan.csv"], "name two files"),
+        (["--forces", "b.csv", "-o", "there/../b.csv"], "name two files"),
     ],
 )
 def test_wrong_options(
@@ -78,6 +82,29 @@ def test_wrong_options(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "there").mkdir()
     assert run(monkeypatch, *SHORT, *arguments) == 2
     error = capsys.readouterr().err
     assert sentence in error and len(error.splitlines()) == 1
+    assert [file.name for file in tmp_path.iterdir()] == ["there"], "found before the search, nothing left behind"
+
+
+def test_a_file_that_is_there_is_kept_when_there_is_no_plan(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.csv").write_text("kept")
+    assert run(monkeypatch, *SHORT, "-o", "a.csv", "--speed", "99") == 2
+    assert (tmp_path / "a.csv").read_text() == "kept"
+
+
+@pytest.mark.parametrize("option", ["-o", "--forces"])
+@pytest.mark.parametrize("other", ["road.csv", "linked.csv"])
+def test_the_road_is_not_replaced(
+    option: str, other: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    rows = "x,y,width_left,width_right\n" + "".join(f"{10 * k},0,3,3\n" for k in range(18))
+    (tmp_path / "road.csv").write_text(rows)
+    (tmp_path / "linked.csv").hardlink_to(tmp_path / "road.csv")
+    assert run(monkeypatch, "road.csv", "-m", "20", option, other) == 2
+    assert f"{other} is the road itself, which the plan would replace; name another file" in capsys.readouterr().err
+    assert (tmp_path / "road.csv").read_text() == rows
