@@ -52,8 +52,8 @@ def kept(folder: str, name: str, make: Callable[[], bytes], root: Path | None = 
     BuildError when the folder cannot be written, before the long `make()` where that can be known.
     """
     path = (root or cache_folder()) / folder / name
+    _mark_used(path.parent)
     if _whole(path):
-        _mark_used(path.parent)
         return path
     check_writable(path.parent)
     data = make()
@@ -83,7 +83,7 @@ def _digest(data: bytes) -> bytes:
 
 
 def _mark_used(folder: Path) -> None:
-    """So that it is not pruned; a folder that cannot be written is not pruned either."""
+    """So that it is not pruned, not even while it is being read; what cannot be written is not pruned either."""
     with suppress(OSError):
         os.utime(folder)
 
