@@ -9,7 +9,7 @@ import argparse
 import os
 from collections.abc import Iterator
 
-from rich.console import Console
+from rich.live import Live
 from rich.table import Table
 
 from benchmarks import (
@@ -37,13 +37,15 @@ def main() -> None:
     table = Table("what", "value", "against", "aim")
     modules = (planning, local_problem, qp_solvers, qp_in_fmu, mpc_sample)
     before = _load()
-    for rows in (_exchange(rounds), _kernel(rounds), _loop(rounds), *(module.rows(rounds) for module in modules)):
-        for row in rows:
-            table.add_row(*row)
-        table.add_section()
-    Console().print(table)
-    if before:
-        print(f"Load average {before} before and {_load()} after, on {os.cpu_count()} cores.")
+    with Live(table, auto_refresh=False) as shown:
+        for rows in (_exchange(rounds), _kernel(rounds), _loop(rounds), *(module.rows(rounds) for module in modules)):
+            for row in rows:
+                table.add_row(*row)
+                shown.refresh()
+            table.add_section()
+        table.caption = before and f"load average {before} before and {_load()} after, on {os.cpu_count()} cores"
+    if not shown.console.is_terminal:
+        shown.console.line()
 
 
 def _load() -> str:
