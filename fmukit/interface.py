@@ -114,10 +114,15 @@ def sampled(
     variables: Iterable[Variable],
     noise: int = 0,
     table: Table | None = None,
+    periods: tuple[float, float] = (1e-6, 1e3),
 ) -> Interface:
-    """A component that computes on its own grid of `sample_period` and holds its outputs in between."""
+    """A component that computes on its own grid of `sample_period` and holds its outputs in between.
+
+    `periods`: shortest and longest `sample_period` [s] it may be given.
+    """
+    low, high = periods
     extra = [
-        parameter("sample_period", "s", "sampling period of the component's own grid", step, minimum=1e-6, maximum=1e3)
+        parameter("sample_period", "s", "sampling period of the component's own grid", step, minimum=low, maximum=high)
     ]
     if noise:
         extra.append(

@@ -7,8 +7,8 @@ from cosim.scenarios._lane_change_metrics import multibody_metrics
 from cosim.scenarios._sensors import SETTINGS, TRUE_RATES, TRUE_YAW_RATE, add_sensors, feed_back
 from cosim.system import System
 
-_LAG = 0.03
-"""Time constant [s] the controller assumes of the steering: the filter of the demand and the servos behind it."""
+_SERVOS = 0.02
+"""Time constant [s] the controller assumes of the steering servos, behind the filter of their demand."""
 _CALM = {"weight.steer_change": 1000.0, "integral.gain": 0.1}
 """Of the controller: the noise of the estimate reaches the steering three times less than by its start values."""
 
@@ -48,7 +48,8 @@ def _tell_the_actuator(system: System) -> None:
     assumed, given = system.instances["mpc"].parameters, system.instances["llc"].parameters
     for ours, theirs in (("steer_rate", "steering.rate_limit"), ("steer_limit", "steering.angle_limit")):
         assumed.setdefault(f"actuator.{ours}", given.get(theirs, starts[theirs]))
-    assumed.setdefault("actuator.steer_lag", _LAG)
+    filter_time = float(given.get("steering.filter_time", starts["steering.filter_time"]))
+    assumed.setdefault("actuator.steer_lag", filter_time + _SERVOS)
 
 
 SCENARIO = Scenario(

@@ -13,6 +13,7 @@ from typing import Any, Protocol
 
 import casadi as ca
 
+from fmus.clip import clip
 from fmus.double_track.data import DoubleTrackCar
 from fmus.double_track.model import motion
 
@@ -99,7 +100,7 @@ def bounds(
     if previous is None:
         return low, high
     step = limits.rate * period
-    return _clip(previous - step, low, high), _clip(previous + step, low, high)
+    return clip(previous - step, low, high), clip(previous + step, low, high)
 
 
 def problem(
@@ -120,7 +121,3 @@ def problem(
 def residual(G: Any, c: Any, y_star: Any, U: Any) -> Any:
     """G U + c - y* (3) [N, N, N.m]: what is too much."""
     return G @ U + c - y_star
-
-
-def _clip(value: Any, low: Any, high: Any) -> Any:
-    return ca.fmin(ca.fmax(value, low), high)

@@ -11,6 +11,7 @@ from typing import Any
 import casadi as ca
 
 from fmukit.kernel import Layout, Signals
+from fmus.clip import clip
 from fmus.double_track import data
 from fmus.double_track.data import DoubleTrackCar
 from fmus.double_track.model import wheel_loads
@@ -68,7 +69,7 @@ def evaluate(p: Signals, u: Signals, x: dict[str, ca.SX]) -> Motion:
     U, grip = _combined(p, U, F_z * road)
     F_x, F_y = U - rolling, _lateral(c, alpha, F_z, road) * grip
     f_x, f_y = F_x * cos - F_y * sin, F_x * sin + F_y * cos
-    air = air_drag(c.planar, speed) * _clip(x["velocity"][0] / p["low_speed.speed"], 1)
+    air = air_drag(c.planar, speed) * clip(x["velocity"][0] / p["low_speed.speed"], -1, 1)
     force = ca.vertcat(_sum(f_x) - air, _sum(f_y)) + u.vector("body_force", "xy")
     moment = _sum(X * f_y - Y * f_x) + u["body_moment.z"]
     return Motion(
@@ -94,8 +95,8 @@ def derivative(p: Signals, x: dict[str, ca.SX], motion: Motion) -> ca.SX:
 
 def steering_rate(p: Signals, u: Signals, delta: ca.SX) -> ca.SX:
     """delta' [rad/s]: a lag towards the commanded angle, which is limited, with limited rate."""
-    asked = _clip(u["command.steer_angle"], p["steering.limit"])
-    return _clip((asked - delta) / p["steering.lag"], p["steering.rate_limit"])
+    asked = clip(u["command.steer_angle"], -p["steering.limit"], p["steering.limit"])
+    return clip((asked - delta) / p["steering.lag"], -p["steering.rate_limit"], p["steering.rate_limit"])
 
 
 def _longitudinal(p: Signals, u: Signals, c: DoubleTrackCar, V_x: ca.SX, rolling: ca.SX) -> tuple[ca.SX, ca.SX]:
@@ -116,7 +117,7 @@ def _combined(p: Signals, U: ca.SX, load: ca.SX) -> tuple[ca.SX, ca.SX]:
     """U within the grip of `load` [N], and what is left of the lateral force; both untouched without combined slip."""
     mu: Any = p["tyre.friction"]
     on = p["tyre.combined_slip"]
-    return ca.if_else(on, _clip(U, mu * load), U), ca.if_else(on, ellipse(U, load, mu), 1)
+    return ca.if_else(on, clip(U, -mu * load, mu * load), U), ca.if_else(on, ellipse(U, load, mu), 1)
 
 
 def _lateral(c: DoubleTrackCar, alpha: ca.SX, F_z: ca.SX, road: ca.SX) -> ca.SX:
@@ -129,10 +130,6 @@ def _lateral(c: DoubleTrackCar, alpha: ca.SX, F_z: ca.SX, road: ca.SX) -> ca.SX:
         for i, (tyre, static) in enumerate(axles)
     ]
     return ca.vertcat(*forces)
-
-
-def _clip(value: ca.SX, limit: ca.SX | float) -> ca.SX:
-    return ca.fmin(ca.fmax(value, -limit), limit)
 
 
 def _sum(wheels: ca.SX) -> ca.SX:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from mpc_loop import PERIOD, Loop, kernel, lane_change, steady
+from mpc_loop import PERIOD, Loop, driven, kernel, lane_change, steady
 
 from fmukit.direct import Direct
 from fmukit.kernel import Kernel
@@ -17,6 +17,7 @@ from fmus.controllers.mpc_allocator.interface import INTERFACE
 from fmus.wheels import WHEELS
 
 _START = {variable.name: float(variable.start) for variable in INTERFACE.select("parameter")}
+_ESTIMATE = [name for name in INTERFACE.names("input") if name.startswith("estimate.")]
 _PLAN = 0.5  # s for which a plan can be followed
 _TORQUE = _START["limit.force"] * _START["design.wheel.radius"] * (1 + 1e-9)
 
@@ -127,6 +128,75 @@ def test_random_inputs_never_give_more_than_the_limits() -> None:
                 mpc.set({name: draw.gauss(0, sizes.get(name.rpartition(".")[2], 100.0))})
         mpc.sample()
         assert _sound(mpc.outputs())
+
+
+@pytest.mark.parametrize("name", ["motor_available.rl", "estimate.velocity.y", "preview[9].course"])
+def test_errors_are_told_while_inputs_are_unusable(name: str) -> None:
+    """Of where the model says the car is; without a reference those before."""
+    loop = Loop(steady(15.0, 0.0, 6.0), offset=1.0)
+    before = loop.run(0.1)
+    broken = loop.step(lambda t, mpc, plant: mpc.set({name: float("nan")}))
+    assert broken["solver.status"] == 0
+    assert abs(broken["error.lateral"]) > 0.5
+    for error in (f"error.{kind}" for kind in ("longitudinal", "lateral", "speed", "course")):
+        moved = before[error][-1] - before[error][-2]
+        assert broken[error] == pytest.approx(before[error][-1] + moved, abs=abs(moved) + 1e-3)
+
+
+def test_a_frozen_estimate_is_bridged_for_its_timeout_then_the_car_brakes() -> None:
+    loop, held = Loop(lane_change()), dict[str, float]()
+    loop.run(2.0)
+
+    def frozen(t: float, mpc: Direct, plant: Direct) -> None:
+        if not held:
+            held.update({name: mpc.u[mpc._inputs[name]] for name in _ESTIMATE})
+        mpc.set(held)
+
+    seen = loop.run(1.0, frozen)
+    age, timeout = seen["estimate.age"], _START["estimate.timeout"]
+    assert age == pytest.approx(PERIOD * np.arange(50), abs=1e-9)
+    assert np.all(seen["fallback.active"] == (age > timeout))
+    assert np.max(np.abs(seen["error.lateral"][age <= timeout])) < 0.01
+    assert np.max(np.abs(seen["error.longitudinal"][age <= timeout])) < 0.05
+    assert np.all(seen["wheel_torque.rl"][age > timeout + _PLAN + 0.1] < 0.0)
+    thawed = loop.step()
+    assert (thawed["estimate.age"], thawed["fallback.active"]) == (0.0, 0.0)
+
+
+def test_an_estimate_that_is_new_every_third_sample_is_enough() -> None:
+    held = dict[str, float]()
+
+    def hook(t: float, mpc: Direct, plant: Direct) -> None:
+        plant.set({"body_force.y": 900.0})
+        if round(t / PERIOD) % 3 == 0:
+            held.update({name: mpc.u[mpc._inputs[name]] for name in _ESTIMATE})
+        mpc.set(held)
+
+    seen = Loop(steady(20.0, 0.005, 6.0)).run(5.0, hook)
+    assert np.max(seen["estimate.age"]) == pytest.approx(2 * PERIOD)
+    assert seen["fallback.count"][-1] == 0
+    assert np.max(np.abs(seen["error.lateral"][seen["time"] > 3.0])) < 0.02
+
+
+def test_a_car_at_rest_may_send_the_same_estimate() -> None:
+    rest = driven(np.zeros_like, np.zeros_like, 3.0)
+    seen = Loop(rest).run(1.0)
+    assert np.all(seen["estimate.age"] == 0.0)
+    assert seen["fallback.count"][-1] == 0
+
+
+@pytest.mark.parametrize(("period", "jump"), [(0.005, 0.1), (0.02, 0.1), (0.005, 0.3), (0.02, 0.3)])
+def test_only_a_jump_of_the_estimate_is_not_learnt_from(period: float, jump: float) -> None:
+    loop = Loop(steady(15.0, 0.0, 6.0), parameters={"sample_period": period})
+    before = loop.run(0.4)["disturbance.lateral"][-1]
+    after = loop.step(lambda t, mpc, plant: mpc.set({"estimate.position.y": plant["position.y"] + jump}))
+    learnt = abs(after["disturbance.lateral"] - before) > 0.1
+    assert learnt == (jump < 0.2)
+
+
+def test_the_sampling_period_has_the_range_that_the_prediction_allows() -> None:
+    period = next(v for v in INTERFACE.select("parameter") if v.name == "sample_period")
+    assert (period.minimum, period.start, period.maximum) == (0.005, 0.02, 0.1)
 
 
 @pytest.fixture(scope="module")

@@ -173,8 +173,9 @@ def test_inversion_finds_the_states_of_the_planned_car() -> None:
     plan = plans.named("double-lane-change", 80, "gate", 10.0)
     times, x, _ = check.fine(plan.vehicle, plan.nodes, plan.substeps, check.FINER)
     p, u, z = ca.MX.sym("p", len(_START)), ca.MX.sym("u", len(INTERFACE.names("input"))), ca.MX.sym("z", 2)
-    past = memory.straight(memory.now(u), ca.MX(PERIOD))
-    path = memory.along(u, past, ca.MX(0), ca.MX(1), horizon.times(ca.MX(PERIOD)))[:, : 2 * NODES + 1]
+    past = memory.straight(memory.now(u))
+    passage = memory.Passage(ca.MX(0), ca.MX(1), ca.MX(0), ca.MX(memory.SEEN))
+    path = memory.along(u, past, passage, horizon.times(ca.MX(PERIOD)))[:, : 2 * NODES + 1]
     nodes = ca.Function("nodes", [p, u, z], [horizon.reference(p, z, path)])
     level = _parameters(design__geometry__cog_height=0.0)
     z_now, found = np.zeros(2), []

@@ -13,14 +13,12 @@ from fmus.controllers.mpc_allocator.interface import INTERFACE
 NODES, PERIOD = 25, 0.02
 NODE = (*SAMPLE, "beta", "omega_z", "delta")
 """A node of the reference: the sample of the path, then sideslip, yaw rate and steering angle of the car on it."""
-_KEEP = 0.1  # s: longest step of the zero dynamics
 
 
 def times(Ts: ca.MX) -> ca.MX:
     """Times ahead [s] of all half nodes (2 NODES + 1), then Ts/2 and Ts, at which the next sample begins."""
     grid = ca.DM([0.5 * PERIOD * k for k in range(2 * NODES + 1)])
-    step = ca.fmin(Ts, _KEEP)
-    return ca.vertcat(grid, 0.5 * step, step)
+    return ca.vertcat(grid, 0.5 * Ts, Ts)
 
 
 def reference(p: ca.MX, z: ca.MX, path: ca.MX) -> ca.MX:
@@ -35,7 +33,7 @@ def reference(p: ca.MX, z: ca.MX, path: ca.MX) -> ca.MX:
 
 def later(p: ca.MX, z: ca.MX, path: ca.MX, ahead: ca.MX, Ts: ca.MX) -> ca.MX:
     """z one sampling period later."""
-    return _advance()(z, p, path[:, 0], ahead[:, 0], ahead[:, 1], ca.fmin(Ts, _KEEP))
+    return _advance()(z, p, path[:, 0], ahead[:, 0], ahead[:, 1], Ts)
 
 
 def steady(p: ca.MX, path: ca.MX) -> ca.MX:

@@ -84,7 +84,8 @@ _OUTPUTS: list[Variable] = [
     output("allocation.iterations", "1", "distribution to the wheels: iterations"),
     output("allocation.time", "s", "distribution to the wheels: time of the solver, 0 unless solver.timed"),
     output("fallback.active", "1", "1 while an earlier plan is followed or the car brakes, else 0"),
-    output("fallback.count", "1", "samples so far in which an earlier plan was followed or the car braked"),
+    output("fallback.count", "1", "samples so far with fallback.active"),
+    output("estimate.age", "s", "time since the estimate last changed while the car moved"),
     output("trajectory.age", "s", "time since the reference last moved"),
     output("trajectory.delay", "s", "time by which the reference waits for the car, see trajectory.gap"),
 ]
@@ -93,6 +94,7 @@ INTERFACE = sampled(
     "MpcAllocator",
     "Integral model predictive control about the trajectory bus, forces distributed to four driven wheels",
     step=0.020,
+    periods=(0.005, 0.1),
     variables=[
         *load_parameters(_HERE / "parameters.toml"),
         *_actuator(),

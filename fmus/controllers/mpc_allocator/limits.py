@@ -5,6 +5,7 @@ from __future__ import annotations
 import casadi as ca
 
 from fmukit.kernel import Column, symbols
+from fmus.clip import clip
 from fmus.controllers.mpc_allocator.design_car import SLOWEST, design_car
 from fmus.controllers.mpc_allocator.horizon import PERIOD
 from fmus.controllers.mpc_allocator.interface import INTERFACE
@@ -24,7 +25,7 @@ def function() -> ca.Function:
     whole = distribution.bounds(motors, F_z, F_t, x[2], available=available)
     now = distribution.bounds(motors, F_z, F_t, x[2], available=available, previous=U, period=Ts)
     end, turn = p["actuator.steer_limit"], p["actuator.steer_rate"]
-    reach = [_clip(command + sign * turn * Ts, -end, end) for sign in (-1, 1)]
+    reach = [clip(command + sign * turn * Ts, -end, end) for sign in (-1, 1)]
     first = ca.horzcat(*(ca.vertcat(angle, sides(force)) for angle, force in zip(reach, now, strict=True)))
     later = ca.horzcat(*(ca.vertcat(sign * end, sides(force)) for sign, force in zip((-1, 1), whole, strict=True)))
     step = PERIOD * ca.vertcat(turn, sides(motors.rate * available))
@@ -35,7 +36,3 @@ def function() -> ca.Function:
 def sides(wheels: Column) -> Column:
     """Sum over the left and over the right wheels (2)."""
     return ca.vertcat(wheels[0] + wheels[2], wheels[1] + wheels[3])
-
-
-def _clip(value: ca.SX, low: ca.SX, high: ca.SX) -> ca.SX:
-    return ca.fmin(ca.fmax(value, low), high)

@@ -16,6 +16,7 @@ from collections.abc import Callable
 import casadi as ca
 
 from fmukit.kernel import symbols
+from fmus.clip import clip
 from fmus.controllers.mpc_allocator import inversion
 from fmus.controllers.mpc_allocator.design_car import INPUTS, SLOWEST, advance, design_car, rate
 from fmus.controllers.mpc_allocator.discretise import zero_order_hold
@@ -114,13 +115,13 @@ def target(f: Rate, A: ca.SX, B: ca.SX, v: ca.SX, d: ca.SX) -> tuple[ca.SX, ca.S
     M = ca.horzcat(ca.densify(A[rows, [3, 6]]), ca.densify(B[rows, 1] + B[rows, 2]))
     y = ca.SX.zeros(3)
     for _ in range(_ROUNDS):
-        y = _clip(y - _solve3(M, (f(*_steady(y, v, d)) - unmoved)[rows] + d[rows]), _LARGEST)
+        y = clip(y - _solve3(M, (f(*_steady(y, v, d)) - unmoved)[rows] + d[rows]), -_LARGEST, _LARGEST)
     return _steady(y, v, d)
 
 
 def _steady(y: ca.SX, v: ca.SX, d: ca.SX) -> tuple[ca.SX, ca.SX]:
     e_beta, e_delta, force = ca.vertsplit(y)
-    e_psi = _clip(-d[1] / ca.fmax(v, SLOWEST), 0.2) - e_beta
+    e_psi = clip(-d[1] / ca.fmax(v, SLOWEST), -0.2, 0.2) - e_beta
     return ca.vertcat(0, 0, -d[0], e_beta, e_psi, -d[4], e_delta), ca.vertcat(e_delta, force, force)
 
 
@@ -133,7 +134,3 @@ def _solve3(M: ca.SX, b: ca.SX) -> ca.SX:
         replaced[:, k] = b
         solved.append(ca.det(replaced) / det)
     return ca.vertcat(*solved)
-
-
-def _clip(value: ca.SX, limit: ca.DM | float) -> ca.SX:
-    return ca.fmin(ca.fmax(value, -limit), limit)

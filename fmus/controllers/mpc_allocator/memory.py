@@ -1,26 +1,50 @@
-"""Where on the reference the car is held to be: a memory of the reference, and how far behind it the car may fall.
+"""Where on the reference the car is held to be: a memory of its path, and how far behind it the car may fall.
 
-The bus shows what lies ahead. A car that cannot keep time (motors lost) needs what lies behind: the last samples are
-kept. When the error along the path leaves +- `trajectory.gap` the reference waits, or hurries, so that the error stays
-there, and its speed comes down to that of the car: the path is then followed without its times.
+The bus shows what lies ahead. A car that cannot keep time (motors lost) needs what lies behind: samples of the bus are
+kept about `SPACING` apart along the path, whatever the sampling period. When the error along the path leaves
++- `trajectory.gap` the reference waits, or hurries, so that the error stays there, and its speed comes down to that of
+the car: the path is then followed without its times.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import casadi as ca
 
+from fmus.clip import clip
 from fmus.controllers.bus import PREVIEW, PREVIEW_PERIOD, SAMPLE
 from fmus.controllers.mpc_allocator.interface import INTERFACE
 from fmus.controllers.reference.playback import lookup
 
-PAST = 150
+PAST = 400
 """Samples kept."""
+SPACING = 1.5
+"""Distance [m] between them where the reference is played smoothly; else they are closer."""
 ROW = len(SAMPLE) + 1
 """Length of one of them: its time [s] from the newest sample of the bus (< 0), then x, y, course, speed, ..."""
+FASTEST = 2.0
+"""Largest pace."""
+SEEN = PREVIEW * PREVIEW_PERIOD
+"""Length of the preview [s]."""
 _INPUTS = INTERFACE.names("input")
-_EARLIEST, _LATEST = -1.0, 3.0  # s, limits of the delay
+_LONGEST = 1.0  # s between two samples kept
+_MISFIT = 0.05  # m: between two samples kept, the mean of their speeds tells the distance so well
 _SLOWEST = 1.0  # m/s, below it the reference keeps its times
+_LEAST = 1e-3  # pace that stands for none: it is divided by
 _EASE = 0.5  # s of delay over which the car's speed comes to be that of the reference
+
+
+@dataclass(frozen=True, slots=True)
+class Passage:
+    """How the reference is gone through: from `start` [s] of the bus at `pace`, which falls by `braking` [1/s]; known
+    up to `end` [s], and straight on after it.
+    """
+
+    start: ca.MX
+    pace: ca.MX
+    braking: ca.MX
+    end: ca.MX
 
 
 def now(u: ca.MX) -> ca.MX:
@@ -28,10 +52,10 @@ def now(u: ca.MX) -> ca.MX:
     return ca.vertcat(*(u[_INPUTS.index(f"reference.{name}")] for name in SAMPLE))
 
 
-def straight(sample: ca.MX, Ts: ca.MX) -> ca.MX:
+def straight(sample: ca.MX) -> ca.MX:
     """A memory (ROW x PAST) of a car that has come straight on at constant speed."""
-    times = ca.DM(range(-PAST, 0)).T * Ts
     x, y, course, speed = (sample[i] for i in range(4))
+    times = ca.DM(range(-PAST, 0)).T * (SPACING / ca.fmax(speed, _SLOWEST))
     way = speed * times
     still = ca.MX.zeros(1, PAST)
     return ca.vertcat(
@@ -39,35 +63,69 @@ def straight(sample: ca.MX, Ts: ca.MX) -> ca.MX:
     )
 
 
-def remembered(past: ca.MX, sample: ca.MX, elapsed: ca.MX) -> ca.MX:
-    """The memory with the sample before, `elapsed` [s] ago, as its newest."""
-    aged = ca.vertcat(past[0, :] - elapsed, past[1:, :])
-    return ca.horzcat(aged[:, 1:], ca.vertcat(-elapsed, sample))
+def aged(past: ca.MX, elapsed: ca.MX) -> ca.MX:
+    """The memory `elapsed` [s] later."""
+    return ca.vertcat(past[0, :] - elapsed, past[1:, :])
 
 
-def along(u: ca.MX, past: ca.MX, start: ca.MX, rate: ca.MX, times: ca.MX) -> ca.MX:
-    """The reference (6 x times) at start + rate `times` [s] of the bus, its speed times `rate`."""
+def remembered(past: ca.MX, sample: ca.MX, elapsed: ca.MX) -> tuple[ca.MX, ca.MX]:
+    """The memory with the sample before, `elapsed` [s] ago, as its newest, and 1 if its oldest was dropped for it.
+
+    The newest so far is dropped instead when its neighbours tell the path without it.
+    """
+    rows, newest = aged(past, elapsed), ca.vertcat(-elapsed, sample)
+    spared = _joined(rows[:, -2], newest)
+    return ca.horzcat(ca.if_else(spared, rows[:, :-1], rows[:, 1:]), newest), 1 - spared
+
+
+def _joined(left: ca.MX, right: ca.MX) -> ca.MX:
+    """1 if nothing need be kept between two rows."""
+    way, time = ca.norm_2(right[1:3] - left[1:3]), right[0] - left[0]
+    misfit = way - 0.5 * time * (left[4] + right[4])
+    return (way <= SPACING) * (time <= _LONGEST) * (ca.fabs(misfit) <= _MISFIT)
+
+
+def along(u: ca.MX, past: ca.MX, passage: Passage, times: ca.MX) -> ca.MX:
+    """The reference (6 x times) as it is gone through, `times` [s] from now."""
     rows, ahead = PAST + PREVIEW + 1, [PREVIEW_PERIOD * k for k in range(PREVIEW + 1)]
     columns = [ca.vertcat(past[0, :].T, ca.DM(ahead))]
     for i, name in enumerate(SAMPLE):
         names = [f"reference.{name}", *(f"preview[{k}].{name}" for k in range(1, PREVIEW + 1))]
         columns.append(ca.vertcat(past[i + 1, :].T, u[[_INPUTS.index(given) for given in names]]))
-    ends = ca.vertcat(past[0, 0], ahead[-1])
-    count = times.numel()
-    found = lookup(count, rows)(ca.vertcat(*columns), ends, start + rate * times)
-    scale = ca.vertcat(1, 1, 1, rate, rate**2, 1)
-    return found * ca.repmat(scale, 1, count)
+    pace, b = passage.pace, passage.braking
+    t = ca.fmin(times, pace / ca.fmax(b, _LEAST))
+    found = lookup(times.numel(), rows)(
+        ca.vertcat(*columns), ca.vertcat(past[0, 0], passage.end), passage.start + pace * t - 0.5 * b * t**2
+    )
+    paces = ca.fmax(pace - b * times, 0).T
+    speed, acceleration = found[3, :], found[4, :] * paces**2 - found[3, :] * b * (paces > 0)
+    return ca.vertcat(found[:3, :], speed * paces, acceleration, found[5, :])
 
 
 def delayed(delay: ca.MX, e_s: ca.MX, speed: ca.MX, gap: ca.MX) -> ca.MX:
     """The delay [s] that brings an error e_s [m] at `speed` back to +- gap, or the delay as near to zero as it may."""
     v = ca.fmax(speed, _SLOWEST)
     behind, ahead = delay - (e_s + gap) / v, delay - (e_s - gap) / v
-    return ca.fmin(ca.fmax(ca.fmax(behind, ca.fmin(ahead, 0)), _EARLIEST), _LATEST)
+    return ca.fmax(behind, ca.fmin(ahead, 0))
 
 
-def pace(delay: ca.MX, v: ca.MX, speed: ca.MX) -> ca.MX:
+def within(delay: ca.MX, past: ca.MX, read: ca.MX, speed: ca.MX, reach: float) -> tuple[ca.MX, ca.MX]:
+    """The delay within what is known of the path, and 1 if the car is within it too.
+
+    Behind the memory ends, ahead the preview, of which the first `read` [s] have passed and the last `reach` [s] times
+    the largest pace are the horizon's. Before a reference that stands, it is straight on.
+    """
+    earliest, latest = read + FASTEST * reach - SEEN, -past[0, 0]
+    return clip(delay, earliest, latest), (delay <= latest) * ca.logic_or(delay >= earliest, speed <= _SLOWEST)
+
+
+def pace(delay: ca.MX, v: ca.MX, speed: ca.MX, lost: ca.MX) -> ca.MX:
     """How fast the reference is gone through: 1 in time; with a delay the ratio of the speeds of car and reference."""
-    ratio = ca.fmin(ca.fmax(v / ca.fmax(speed, _SLOWEST), 0.05), 2)
+    ratio = clip(v / ca.fmax(speed, _SLOWEST), ca.if_else(lost, _LEAST, 0.05), FASTEST)
     part = ca.fmin(ca.fabs(delay) / _EASE, 1) * (speed > _SLOWEST)
     return 1 + part * (ratio - 1)
+
+
+def braking(deceleration: ca.MX, v: ca.MX, speed: ca.MX) -> ca.MX:
+    """Loss of pace [1/s] that slows the reference down by `deceleration` [m/s2], by less for a car almost at rest."""
+    return deceleration * clip(v / _SLOWEST, 0, 1) / ca.fmax(speed, _SLOWEST)

@@ -22,6 +22,7 @@ _BUS, _ESTIMATE, _MOTORS = (
     [slot for slot, name in enumerate(_INPUTS) if name.startswith(groups)]
     for groups in (("reference.", "preview["), ("estimate.",), ("motor_available.",))
 )
+_STANDING = 0.01  # m/s: the estimate of a car this slow need not change
 _ABSURD = 1e9  # beyond it a number on an input is no measurement
 
 
@@ -63,12 +64,14 @@ def sample(p: ca.MX, u: ca.MX, x: Values) -> tuple[Values, Values]:
     routed, sighted, told = (ca.mmin(finite[slots]) for slots in (_BUS, _ESTIMATE, _MOTORS))
     usable = routed * sighted * told
     ref = reference(p, u, x, routed)
-    seen, e, near = _observe(p, u, x, ref.nodes[:, 0], (sighted, usable))
+    seen, e, near = _observe(p, u, x, ref.nodes[:, 0], (routed, sighted, usable))
     seen["motors"] = ca.if_else(told, u[_MOTORS], x["motors"])
     car, wheels = seen["car"], (x["acceleration"], seen["motors"], x["forces"])
     first, later, step, reach = limits.function()(p, car, *wheels, x["command"], Ts)
     u_r, found, tracking = programs.predict(p, x, ref.nodes, near, seen["disturbance"], (first, later, step))
-    good = usable * (ref.age <= timeout) * tracking.good
+    fresh = (ref.age <= timeout) * (seen["estimate_age"] <= get("estimate.timeout"))
+    good = usable * fresh * ref.known * tracking.good
+    braking = 1 - good * (1 - ref.lost)
     before = ca.reshape(x["plan"], N_U, NODES)
     kept, wanted, alone = plan.function()(p, found, good, before, x["alone"], x["command"], car[2], Ts)
     steer = ca.fmin(ca.fmax(wanted[0], first[0, 0]), first[0, 1])
@@ -81,7 +84,7 @@ def sample(p: ca.MX, u: ca.MX, x: Values) -> tuple[Values, Values]:
         "beside": ca.vertcat(steer, limits.sides(U)) - u_r[:, 0],
         "plan": ca.vec(kept),
         "alone": alone,
-        "fallbacks": x["fallbacks"] + (1 - good),
+        "fallbacks": x["fallbacks"] + braking,
         **_starts(tracking, shares),
     }
     y = {
@@ -94,24 +97,39 @@ def sample(p: ca.MX, u: ca.MX, x: Values) -> tuple[Values, Values]:
         **_of("disturbance", ("longitudinal", "lateral", "speed", "sideslip", "yaw", "yaw_rate"), after["disturbance"]),
         **_told("solver", tracking),
         **_told("allocation", shares),
-        "fallback.active": 1 - good,
+        "fallback.active": braking,
         "fallback.count": after["fallbacks"],
+        "estimate.age": seen["estimate_age"],
         "trajectory.age": ref.age,
         "trajectory.delay": after["delay"],
     }
     return after, y | {"solver.status": usable * tracking.status}
 
 
-def _observe(p: ca.MX, u: ca.MX, x: Values, node: ca.MX, known: tuple[ca.MX, ca.MX]) -> tuple[Values, ca.MX, ca.MX]:
-    """States of the car, errors and limited errors; `known`: is the estimate usable, are all inputs."""
-    sighted, usable = known
+def _observe(p: ca.MX, u: ca.MX, x: Values, node: ca.MX, told: tuple[ca.MX, ...]) -> tuple[Values, ca.MX, ca.MX]:
+    """States of the car, errors and limited errors; `told`: are the bus, the estimate, all inputs usable.
+
+    Without a usable bus the errors are those before.
+    """
+    routed, sighted, usable = told
+    get = parameter(p)
+    estimate, elapsed = u[_ESTIMATE], x["estimate_age"] + get("sample_period")
+    moving = ca.sumsqr(ca.vertcat(*(u[_INPUTS.index(f"estimate.velocity.{axis}")] for axis in "xy"))) > _STANDING**2
+    new = sighted * (1 - ca.mmin(estimate == x["estimate"]) * moving * x["started"])
     before = (x["car"], x["forces"], x["acceleration"], x["command"], x["disturbance"])
-    flags = (sighted, x["known"] * usable, parameter(p)("sample_period"))
+    flags = (new, x["known"] * usable * new, get("sample_period"), elapsed)
     car, e, near, d, acceleration = observe.function()(p, u, node, *before, *flags)
-    e, near = ca.if_else(usable, e, 0), ca.if_else(usable, near, 0)
-    gap = ca.if_else(usable, e[0], x["gap"])
-    seen = {"car": car, "known": usable, "disturbance": d, "acceleration": acceleration, "gap": gap}
-    return seen, e, near
+    age = ca.if_else(new, 0, ca.fmin(elapsed, _ABSURD))
+    seen = {
+        "car": car,
+        "known": usable * (age <= get("estimate.timeout")),
+        "estimate": ca.if_else(new, estimate, x["estimate"]),
+        "estimate_age": age,
+        "disturbance": d,
+        "acceleration": acceleration,
+        "errors": ca.if_else(routed, e, x["errors"]),
+    }
+    return seen, seen["errors"], ca.if_else(usable, near, 0)
 
 
 def _starts(tracking: programs.Solved, shares: programs.Solved) -> Values:

@@ -4,7 +4,9 @@ The disturbance d holds rates that the model does not explain, those of the posi
 sample to sample, with the measured x and what the car's motion x' = f(x, u) + d from the sample before under the forces
 then applied would have made of it, x_{k|k-1},
 
-    d <- d + gain (x_k - x_{k|k-1})/T_s.
+    d <- d + gain (x_k - x_{k|k-1})/T_s,
+
+where T_s is the time since the last estimate.
 
 What is predicted uses the forces the wheels were given, not those wished for: limits do not wind d up.
 """
@@ -14,6 +16,7 @@ from __future__ import annotations
 import casadi as ca
 
 from fmukit.kernel import Signals, symbols
+from fmus.clip import clip
 from fmus.controllers.mpc_allocator.design_car import SLOWEST, STANDSTILL, advance, design_car, wheel_rate
 from fmus.controllers.mpc_allocator.horizon import NODE
 from fmus.controllers.mpc_allocator.interface import INTERFACE
@@ -23,11 +26,13 @@ LARGEST_ERROR = ca.DM([5.0, 2.0, 10.0, 0.5, 0.8, 2.0, 0.6])
 """Errors beyond these (m, m, m/s, rad, rad, rad/s, rad) are taken as these: what is absurd stays solvable."""
 LARGEST_STATE = ca.DM([1e9, 1e9, 200.0, 1.6, 1e9, 50.0, 2.0])
 LARGEST_DISTURBANCE = ca.DM([2.0, 2.0, 5.0, 1.0, 1.0, 10.0])
-_OUTLIER = 5.0  # of these: more in one sample is a jump of the estimate, nothing to learn from
+_OUTLIER = 5.0  # of these: more is a jump of the estimate, nothing to learn from
+_SHORTEST = 0.02  # s: in less time an estimate may move as far as in this
 
 
 def function() -> ca.Function:
-    """(p, u, node, x before (7), forces (4), accelerations (2) and command then, d, sighted, learning, Ts)
+    """(p, u, node, x before (7), forces (4), accelerations (2) and command then, d, sighted, learning, Ts,
+    time since the last estimate)
     -> x (7), e (7), e within its limits (7), d, accelerations.
 
     Not `sighted`, x is what the model makes of the x before. `learning` is 0 to keep d. e_delta is the error of the
@@ -36,7 +41,8 @@ def function() -> ca.Function:
     p, u = symbols(INTERFACE, "parameter"), symbols(INTERFACE, "input")
     node, before, U = ca.SX.sym("node", len(NODE)), ca.SX.sym("before", N_X), ca.SX.sym("U", 4)
     a, command, d = ca.SX.sym("a", 2), ca.SX.sym("command"), ca.SX.sym("d", N_X - 1)
-    sighted, learning, Ts = ca.SX.sym("sighted"), ca.SX.sym("learning"), ca.SX.sym("Ts")
+    sighted, learning = ca.SX.sym("sighted"), ca.SX.sym("learning")
+    Ts, elapsed = ca.SX.sym("Ts"), ca.SX.sym("elapsed")
     car, lag = design_car(p), p["actuator.steer_lag"]
     unexplained = ca.vertcat(turned(d[:2], -node[2]), d[2:], 0)
 
@@ -44,17 +50,18 @@ def function() -> ca.Function:
         return wheel_rate(car, state, U, loading(node))[0] + unexplained
 
     guess = advance(motion, before, command, lag, Ts)
-    x = _clip(ca.if_else(sighted, measured(u, guess[6]), guess), LARGEST_STATE)
+    x = _limited(ca.if_else(sighted, measured(u, guess[6]), guess), LARGEST_STATE)
     moving = ca.fmin(ca.fmax((x[2] - STANDSTILL) / (SLOWEST - STANDSTILL), 0), 1)
-    missed = path_frame(x - guess, node)[:6] / Ts
+    missed = path_frame(x - guess, node)[:6] / elapsed
     learnt = d + moving * p["integral.gain"] * missed
-    plausible = ca.mmax(ca.fabs(missed) / LARGEST_DISTURBANCE) <= _OUTLIER
-    d_now = ca.if_else(ca.logic_and(learning, plausible), _clip(learnt, LARGEST_DISTURBANCE), d)
+    jump = ca.fabs(missed) * elapsed / ca.fmax(elapsed, _SHORTEST)
+    plausible = ca.mmax(jump / LARGEST_DISTURBANCE) <= _OUTLIER
+    d_now = ca.if_else(ca.logic_and(learning, plausible), _limited(learnt, LARGEST_DISTURBANCE), d)
     d_now = ca.if_else(p["integral.gain"] > 0, d_now, 0)
     e = errors(x, node)
     _, acceleration = wheel_rate(car, x, U, a)
-    arguments = [p.column, u.column, node, before, U, a, command, d, sighted, learning, Ts]
-    return ca.Function("observe", arguments, ca.cse([x, e, _clip(e, LARGEST_ERROR), moving * d_now, acceleration]))
+    arguments = [p.column, u.column, node, before, U, a, command, d, sighted, learning, Ts, elapsed]
+    return ca.Function("observe", arguments, ca.cse([x, e, _limited(e, LARGEST_ERROR), moving * d_now, acceleration]))
 
 
 def measured(u: Signals, delta: ca.SX) -> ca.SX:
@@ -78,5 +85,5 @@ def path_frame(difference: ca.SX, node: ca.SX) -> ca.SX:
     return ca.vertcat(turned(difference[:2], node[2]), difference[2:4], yaw, difference[5:])
 
 
-def _clip(value: ca.SX, limit: ca.DM) -> ca.SX:
-    return ca.fmin(ca.fmax(value, -limit), limit)
+def _limited(value: ca.SX, limit: ca.DM) -> ca.SX:
+    return clip(value, -limit, limit)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import casadi as ca
 
 from fmukit.kernel import symbols
+from fmus.clip import clip
 from fmus.controllers.mpc_allocator.design_car import STANDSTILL, design_car
 from fmus.controllers.mpc_allocator.horizon import NODES, PERIOD
 from fmus.controllers.mpc_allocator.interface import INTERFACE
@@ -27,9 +28,9 @@ def function() -> ca.Function:
     v, Ts = ca.SX.sym("v"), ca.SX.sym("Ts")
     plan = ca.if_else(good, found, moved_on(kept, Ts))
     without = ca.if_else(good, 0, ca.fmin(alone + Ts, 1e3))
-    brake = -0.5 * design_car(p).planar.m * p["fallback.deceleration"] * _clip(v / _CREEP, -1, 1)
+    brake = -0.5 * design_car(p).planar.m * p["fallback.deceleration"] * clip(v / _CREEP, -1, 1)
     wanted = ca.if_else(without < LENGTH, plan[:, 0], ca.vertcat(command, brake, brake))
-    moving = _clip(ca.fabs(v) / STANDSTILL, 0, 1)
+    moving = clip(ca.fabs(v) / STANDSTILL, 0, 1)
     steer = command + moving * (wanted[0] - command)
     both, apart = 0.5 * (wanted[1] + wanted[2]), 0.5 * moving * (wanted[2] - wanted[1])
     arguments = [p.column, found, good, kept, alone, command, v, Ts]
@@ -38,10 +39,6 @@ def function() -> ca.Function:
 
 def moved_on(plan: ca.SX, Ts: ca.SX) -> ca.SX:
     """The plan one sampling period later, its last inputs held."""
-    part = _clip(Ts / PERIOD, 0, 1)
+    part = clip(Ts / PERIOD, 0, 1)
     later = ca.horzcat(plan[:, 1:], plan[:, -1])
     return plan + part * (later - plan)
-
-
-def _clip(value: ca.SX, low: float, high: float) -> ca.SX:
-    return ca.fmin(ca.fmax(value, low), high)

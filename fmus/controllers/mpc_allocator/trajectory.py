@@ -6,49 +6,84 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from fmus.controllers.mpc_allocator import horizon, memory
+from fmus.controllers.mpc_allocator import horizon, memory, plan
 from fmus.controllers.mpc_allocator.programs import parameter
 
 _STANDING = 0.01  # m/s: a reference this slow need not move
 _OLDEST = 1e6  # s
+_SPARE = 0.5  # s: so much is left of the memory behind the car when it is kept as it is
 
 
 @dataclass(frozen=True, slots=True)
 class Reference:
-    """Nodes (9 x NODES + 1) and age [s] of the reference, and the states that belong to it."""
+    """Nodes (9 x NODES + 1) and age [s] of the reference, 1 if the path at the car is `known`, 1 if the bus has gone
+    too far ahead and is `lost`, and the states that belong to it.
+    """
 
     nodes: ca.MX
     age: ca.MX
+    known: ca.MX
+    lost: ca.MX
     states: dict[str, ca.MX]
+
+
+@dataclass(frozen=True, slots=True)
+class _Kept:
+    """What is kept of the bus: since when it has not moved, its sample then, the memory, and flags."""
+
+    age: ca.MX
+    bus: ca.MX
+    past: ca.MX
+    begun: ca.MX
+    lost: ca.MX
 
 
 def reference(p: ca.MX, u: ca.MX, x: dict[str, ca.MX], usable: ca.MX) -> Reference:
     """The reference for inputs u and states x."""
-    Ts, timeout, gap = (parameter(p)(f) for f in ("sample_period", "trajectory.timeout", "trajectory.gap"))
-    age, seen, past = _kept(u, x, usable, Ts)
-    delay = memory.delayed(x["delay"] + (1 - x["pace"]) * Ts, x["gap"], x["path_speed"], gap)
-    pace = memory.pace(delay, x["car"][2], x["path_speed"])
+    get = parameter(p)
+    Ts, gap = get("sample_period"), get("trajectory.gap")
+    bus = _kept(u, x, usable, Ts, gap)
+    begun, lost, read = bus.begun, bus.lost, ca.fmin(bus.age, get("trajectory.timeout"))
+    delay, e_s = begun * (x["delay"] + (1 - x["pace"]) * Ts), begun * x["errors"][0]
+    delay = memory.delayed(delay, e_s, x["path_speed"], ca.if_else(lost, 0, gap))
+    delay, known = memory.within(delay, bus.past, read, x["path_speed"], plan.LENGTH)
+    pace = memory.pace(delay, x["car"][2], x["path_speed"], lost)
+    braking = lost * memory.braking(get("fallback.deceleration"), x["car"][2], x["path_speed"])
+    end = ca.if_else(lost, bus.past[0, -1], memory.SEEN)
     count = 2 * horizon.NODES + 1
-    path = memory.along(u, past, ca.fmin(age, timeout) - delay, pace, horizon.times(Ts))
+    path = memory.along(u, bus.past, memory.Passage(read - delay, pace, braking, end), horizon.times(Ts))
     path, ahead = path[:, :count], path[:, count:]
-    z = ca.if_else(x["started"], x["zero_dynamics"], horizon.steady(p, path))
+    z = ca.if_else(begun, x["zero_dynamics"], horizon.steady(p, path))
     found = {
         "started": ca.MX(1),
-        "past": ca.vec(past),
+        "past": ca.vec(bus.past),
+        "lost": lost,
         "delay": delay,
         "pace": pace,
         "path_speed": path[3, 0] / pace,
         "zero_dynamics": horizon.later(p, z, path, ahead, Ts),
     }
     kept = {name: ca.if_else(usable, value, x[name]) for name, value in found.items()}
-    return Reference(horizon.reference(p, z, path), age, kept | {"age": age, "bus": seen})
+    states = kept | {"age": bus.age, "bus": bus.bus}
+    return Reference(horizon.reference(p, z, path), bus.age, known, kept["lost"], states)
 
 
-def _kept(u: ca.MX, x: dict[str, ca.MX], usable: ca.MX, Ts: ca.MX) -> tuple[ca.MX, ca.MX, ca.MX]:
-    """Time since the bus last moved [s], its sample then, and the memory of those before."""
+def _kept(u: ca.MX, x: dict[str, ca.MX], usable: ca.MX, Ts: ca.MX, gap: ca.MX) -> _Kept:
+    """Time since the bus last moved, its sample then, and the memory of those before.
+
+    The memory is kept as it is, and the bus is lost, when its next sample would take the place of one that the car
+    has yet to pass. All begins anew when the bus is found near the car.
+    """
     sample, elapsed = memory.now(u), ca.fmin(x["age"] + Ts, _OLDEST)
-    same = ca.mmin(sample == x["bus"]) * (sample[3] > _STANDING) * x["started"]
+    found = x["lost"] * (ca.norm_2(sample[:2] - x["car"][:2]) <= gap)
+    begun = x["started"] * (1 - found)
+    same = ca.mmin(sample == x["bus"]) * (sample[3] > _STANDING) * begun
     moved = usable * (1 - same)
     past = ca.reshape(x["past"], memory.ROW, memory.PAST)
-    longer = ca.if_else(x["started"], memory.remembered(past, x["bus"], elapsed), memory.straight(sample, Ts))
-    return ca.if_else(moved, 0, elapsed), ca.if_else(moved, sample, x["bus"]), ca.if_else(moved, longer, past)
+    longer, dropped = memory.remembered(past, x["bus"], elapsed)
+    passed = longer[0, 0] <= -x["delay"] - _SPARE
+    lost = begun * ca.logic_or(x["lost"], moved * dropped * (1 - passed))
+    after = ca.if_else(lost, memory.aged(past, elapsed), longer)
+    after = ca.if_else(begun, after, memory.straight(sample))
+    age, bus = ca.if_else(moved, 0, elapsed), ca.if_else(moved, sample, x["bus"])
+    return _Kept(age, bus, ca.if_else(moved, after, past), begun, lost)
