@@ -11,6 +11,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[2]
 
 
@@ -20,6 +22,7 @@ def _benchmarks(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(line, cwd=ROOT, env=wide, capture_output=True, text=True, check=False)
 
 
+@pytest.mark.nightly
 def test_one_round_fills_the_table() -> None:
     done = _benchmarks("--rounds", "1")
     assert done.returncode == 0, done.stderr
