@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
+import numpy as np
+
+from benchmarks.spread import Spread, spread
 from fmus.planner.receding import offline
 from fmus.planner.receding.search import Tools
 
@@ -13,40 +15,31 @@ AIM = 0.020
 """Mean [s] of a compiled local problem."""
 
 
-@dataclass(frozen=True, slots=True)
-class Seen:
-    """Seconds per local problem, mean and largest, the best of the rounds; iterations on average."""
-
-    mean: float
-    largest: float
-    iterations: float
-
-
-def measure(rounds: int = ROUNDS) -> tuple[Seen, Seen]:
-    """Compiled and interpreted, their rounds in turns."""
+def measure(rounds: int = ROUNDS) -> tuple[Spread, Spread, float]:
+    """Seconds per local problem, compiled and interpreted, their rounds in turns; iterations on average."""
     ways = offline.compiled(), offline.interpreted()
     pairs = [[_round(way) for way in ways] for _ in range(rounds)]
-    seen = zip(*pairs, strict=True)
-    best = [Seen(*(min(getattr(one, name) for one in some) for name in Seen.__slots__)) for some in seen]
-    return best[0], best[1]
+    compiled, interpreted = (spread([times for times, _ in some]) for some in zip(*pairs, strict=True))
+    return compiled, interpreted, float(pairs[0][0][1].mean())
 
 
 def rows(rounds: int | None) -> Iterator[tuple[str, str, str, str]]:
     """For the table of all figures."""
-    ours, slow = measure(rounds or ROUNDS)
-    against = f"ms mean, {1e3 * ours.largest:.1f} ms largest; {ours.mean / slow.mean:.2f} of interpreted"
-    count = f"{ours.iterations:.0f} iterations"
-    yield (
-        "receding horizon, local problem",
-        f"{1e3 * ours.mean:.1f}",
-        f"{against}; {count}",
-        f"<= {1e3 * AIM:.0f} ms mean",
-    )
+    rounds = rounds or ROUNDS
+    ours, slow, iterations = measure(rounds)
+    best = f"best of {rounds}: mean {1e3 * ours.best_mean:.1f}, worst {1e3 * ours.best_worst:.1f}"
+    against = f"mean; worst {1e3 * ours.worst:.1f} ms; {best}; {iterations:.0f} iterations"
+    yield "receding horizon, local problem", f"{1e3 * ours.mean:.1f} ms", against, f"<= {1e3 * AIM:.0f} ms"
+    ratio = f"{1e3 * ours.mean:.1f} ms / {1e3 * slow.mean:.1f} ms"
+    yield "  compiled against interpreted", f"{ours.mean / slow.mean:.2f}", ratio, "< 1"
 
 
-def _round(way: Tools) -> Seen:
-    p = offline.parameters({"solver.timed": True})
-    records = offline.drive(way, p).records
-    times = [record.time for record in records]
-    iterations = sum(record.iterations for record in records) / len(records)
-    return Seen(sum(times) / len(times), max(times), iterations)
+def _round(way: Tools) -> tuple[np.ndarray, np.ndarray]:
+    """Seconds and iterations of every local problem of a drive."""
+    records = offline.drive(way, offline.parameters({"solver.timed": True})).records
+    return np.array([record.time for record in records]), np.array([record.iterations for record in records])
+
+
+if __name__ == "__main__":
+    for row in rows(None):
+        print("  |  ".join(row))
