@@ -38,7 +38,7 @@ def plan_command(
     grid: Annotated[
         Literal["gate", "time"], typer.Option(help="gate: nodes on gates across the road; time: equal intervals.")
     ] = "gate",
-    speed: Annotated[float, typer.Option(metavar="V", help="Speed at the start [m/s].")] = 10.0,
+    speed: Annotated[float, typer.Option(metavar="V", help="Speed at the start, in m/s.")] = 10.0,
     car: Annotated[
         Literal["doubletrack", "vehicle16dof"], typer.Option(help="The plant the plan is for, with its start values.")
     ] = "doubletrack",

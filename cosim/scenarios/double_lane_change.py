@@ -8,7 +8,7 @@ from cosim.scenarios._lane_change_metrics import lane_change_metrics
 SCENARIO = Scenario(
     name="double-lane-change",
     title="Time-optimal double lane change of a planar car with four driven wheels, started 0.3 m beside the plan",
-    figures="Figs. 3.10 to 3.14 (concept of Fig. 3.3, path of Fig. 3.4)",
+    figures="Figs. 3.11 to 3.13, of Fig. 3.14 the MPC signals (concept of Fig. 3.3, path of Fig. 3.4)",
     stop_time=7.5,
     build=_lane_change.planar_loop,
     complete=_lane_change.start_beside_plan,

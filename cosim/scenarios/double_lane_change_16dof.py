@@ -55,7 +55,7 @@ def _tell_the_actuator(system: System) -> None:
 SCENARIO = Scenario(
     name="double-lane-change-16dof",
     title="Time-optimal double lane change of the multibody car, planned for it, steering servos and active suspension",
-    figures="Figs. 3.10 to 3.14 on the car of chapter 2",
+    figures="those of double-lane-change, on the car of chapter 4",
     stop_time=8.0,
     build=_build,
     complete=_complete,
