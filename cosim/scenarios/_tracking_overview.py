@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
-from matplotlib.figure import Figure
 
 from cosim.results import Results
+from cosim.scenarios._page import draw_page
 from cosim.scenarios._tracking_metrics import tracking_errors, wrap
 from cosim.slave import Vector
 
@@ -22,23 +20,11 @@ _MOST_POINTS = 4000
 
 def draw_overview(results: Results, file: Path, title: str) -> None:
     """Draw all panels whose signals were recorded and save them to `file`."""
-    figure = Figure(figsize=(16, 18), layout="constrained")
-    FigureCanvasAgg(figure)
-    figure.suptitle(title)
-    grid = figure.add_gridspec(5, 2)
-    _path(results, figure.add_subplot(grid[0, :]))
-    panels: Sequence[Callable[[Results, Any], None]] = (
+    panels = (
         *(_tracking, _speeds, _attitude, _accelerations),
         *(_longitudinal_forces, _lateral_forces, _position_estimate, _yaw_estimate),
     )
-    for i, panel in enumerate(panels):
-        axes = figure.add_subplot(grid[1 + i // 2, i % 2])
-        panel(results, axes)
-        axes.set_xlabel("time [s]")
-        axes.grid(alpha=0.3)
-        axes.margins(y=0.2)
-        axes.legend(loc="upper right", ncols=4, fontsize="small")
-    figure.savefig(file, dpi=80)
+    draw_page(results, file, title, _path, panels)
 
 
 def footprints(x: Vector, y: Vector, yaw: Vector) -> np.ndarray:
