@@ -13,7 +13,7 @@ from fmus.planner.evasion.decision import ACTIONS, decide
 from fmus.planner.evasion.situation import Encounter, Surroundings
 from fmus.planner.evasion.table import Table, read
 
-ROAD = Surroundings(reserve=1.1, reaction_time=0.5)
+ROAD = Surroundings(reserve=1.1, reaction_time=0.5, standstill_gap=0.75)
 SPEEDS, OFFSETS, FRICTIONS = np.array([10.0, 20.0]), np.array([2.0, 3.0]), np.array([0.25, 1.0])
 
 
@@ -35,30 +35,31 @@ def at(left: float, **changes: float) -> str:
 
 
 def test_the_first_possible_action_is_taken() -> None:
-    # braking 256/16 = 16 m; steering 1.1 (18.5/2 + 2) = 12.375 m; both 1.1 * 9.25 = 10.175 m
+    # braking 256/16 + 0.75 m; steering 1.1 (18.5/2 + 2) = 12.375 m; both 1.1 * 9.25 = 10.175 m
     below = 1e-6
-    assert (at(16 + below), at(16 - below)) == ("brake", "steer")
+    assert (at(16.75 + below), at(16.75 - below)) == ("brake", "steer")
     assert (at(12.375 + below), at(12.375 - below)) == ("steer", "brake and steer")
     assert (at(10.175 + below), at(10.175 - below)) == ("brake and steer", "mitigate")
     assert at(-5) == "mitigate"
 
 
 def test_friction() -> None:
-    # 0.25: braking 64 m, steering 1.1 * 22.5 = 24.75 m, both 1.1 * 20.5 = 22.55 m
+    # 0.25: braking 64.75 m, steering 1.1 * 22.5 = 24.75 m, both 1.1 * 20.5 = 22.55 m
     assert [at(left, friction=0.25) for left in (65, 30, 24, 20)] == list(ACTIONS)
 
 
 def test_numbers_of_a_decision() -> None:
     decided = decide(Encounter(16.0, 18.0, width=2.32), table(), ROAD)
     assert (decided.code, decided.left) == (3, 10.0)
-    assert (decided.brake, decided.steer, decided.brake_and_steer) == pytest.approx((16, 12.375, 10.175))
+    assert (decided.brake, decided.steer, decided.brake_and_steer) == pytest.approx((16.75, 12.375, 10.175))
     assert decided.impact == pytest.approx(math.sqrt(256 - 160))
     assert decide(Encounter(16.0, 5.0, width=2.32), table(), ROAD).impact == 16.0
     assert decide(Encounter(16.0, 50.0, width=2.32), table(), ROAD).impact == 0.0
 
 
 def test_an_obstacle_across_the_road_can_only_be_braked_for() -> None:
-    assert at(15, width=7.0) == "mitigate"
+    assert at(15, width=7.0) == at(16.5, width=7.0) == "mitigate"
+    assert decide(Encounter(16.0, 24.5, width=7.0), table(), ROAD).impact == 0, "it stops within the gap"
     assert at(17, width=7.0) == "brake"
     assert decide(Encounter(16.0, 20.0, width=7.0), table(), ROAD).steer == math.inf
 

@@ -14,6 +14,7 @@ from fmukit.direct import Direct
 from fmus.controllers.reference import COMPONENT
 from fmus.planner import evasion
 from fmus.planner.errors import PlanningError
+from fmus.planner.evasion import manoeuvre as module
 from fmus.planner.evasion.car import evading_car, input_limits
 from fmus.planner.evasion.lane_change import lane_change, road
 from fmus.planner.evasion.manoeuvre import Manoeuvre, manoeuvre, stop
@@ -58,6 +59,25 @@ def test_a_stop() -> None:
     np.testing.assert_allclose(y, 4 + along * math.sin(0.3), atol=1e-12)
     assert t[-1] == 4.0 and v[-1] == 0 == a[-1] and np.hypot(x[-1] - 3, y[-1] - 4) == pytest.approx(40)
     assert (course == 0.3).all() and (a[:-1] == -5).all()
+
+
+def test_the_time_of_a_stop_increases_at_every_speed() -> None:
+    for deceleration in (2.4, 4.8, 8.0):
+        for speed in (*np.arange(5.0, 35.0, 0.004), 17.928, *(deceleration * (0.02 * np.arange(100, 180) + 1e-3))):
+            t = stop(speed, deceleration)[:, 0]
+            assert np.diff(t).min() > 1e-6 and np.diff(t).max() < 0.0221, speed
+            assert t[0] == 0 and t[-1] == speed / deceleration
+
+
+def test_a_stop_at_a_speed_that_once_gave_a_time_twice() -> None:
+    assert (np.diff(manoeuvre(Encounter(17.928, 100.0)).rows[:, 0]) > 1e-6).all()
+
+
+def test_rows_that_cannot_be_played_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    twice = np.repeat(stop(25.0, 8.0), 2, axis=0)
+    monkeypatch.setattr(module, "stop", lambda *_: twice)
+    with pytest.raises(PlanningError, match="finite ones whose time increases"):
+        manoeuvre(BRAKE)
 
 
 def test_braking_stops_short_of_the_obstacle() -> None:

@@ -19,9 +19,9 @@ ACTIONS: tuple[Action, ...] = ("brake", "steer", "brake and steer", "mitigate")
 class Decision:
     """What to do, and why: distance `left` after the reaction and the last points [m], infinite where none is.
 
-    The last points to steer include the reserve.
+    The last point to brake includes the gap before the obstacle, those to steer the reserve.
 
-    `impact` [m/s]: speed at the obstacle when it cannot be avoided, by the closed form; else 0.
+    `impact` [m/s]: speed at the obstacle when it cannot be avoided, by the closed form; 0 for a stop within the gap.
     """
 
     action: Action
@@ -47,7 +47,7 @@ def decide(encounter: Encounter, table: Table, surroundings: Surroundings | None
     e = checked(encounter, s)
     left = e.distance - s.reaction_time * e.speed
     last = {column: _last_point(table, column, e, s) for column in ("steer", "brake_and_steer")}
-    last = {"brake": stopping_distance(e.speed, e.friction, s.deceleration), **last}
+    last = {"brake": stopping_distance(e.speed, e.friction, s.deceleration) + s.standstill_gap, **last}
     action = next((name for name, way in zip(ACTIONS, last.values(), strict=False) if way <= left), ACTIONS[-1])
     impact = impact_speed(e.speed, e.friction, s.deceleration, max(left, 0.0)) if action == "mitigate" else 0.0
     return Decision(action, left, **last, impact=impact)

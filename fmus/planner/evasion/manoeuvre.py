@@ -8,6 +8,7 @@ from functools import cache
 
 import numpy as np
 
+from fmus.controllers.reference.interface import ROWS
 from fmus.planner import trajectory
 from fmus.planner.check import fine
 from fmus.planner.errors import PlanningError
@@ -22,6 +23,8 @@ from fmus.single_track.data import Car, car
 
 _STEP, _JUMP = 0.02, 1e-3
 """Rows of a stop are `_STEP` [s] apart; an acceleration changes within `_JUMP` [s]."""
+_CLOSEST = 1e-6
+"""Least time [s] between rows; the file keeps nine digits."""
 _FINER = 4
 _WORTH = 5.0
 """Impact speed [m/s] below which a car that cannot avoid the obstacle only brakes."""
@@ -49,17 +52,28 @@ def manoeuvre(
     s = surroundings or Surroundings()
     decision = decide(encounter, table or read(), s)
     rows = _rows(encounter, decision, s, data or car())
-    return Manoeuvre(decision, _after_reaction(rows, encounter.speed, s.reaction_time))
+    return Manoeuvre(decision, _playable(_after_reaction(rows, encounter.speed, s.reaction_time)))
 
 
 def stop(speed: float, deceleration: float, *, x: float = 0.0, y: float = 0.0, course: float = 0.0) -> Array:
     """Rows (n, 7) of a straight stop from t = 0; the last is at rest."""
     duration = speed / deceleration
-    t = np.append(np.arange(0, duration - _JUMP, _STEP), [duration - _JUMP, duration])
+    steps = math.ceil((duration - 2 * _JUMP) / _STEP)
+    t = np.append(_STEP * np.arange(steps), [duration - _JUMP, duration])
     s, v = speed * t - 0.5 * deceleration * t**2, np.maximum(speed - deceleration * t, 0)
     a = np.where(t < duration, -deceleration, 0)
     zero = np.zeros_like(t)
     return np.column_stack([t, x + s * np.cos(course), y + s * np.sin(course), zero + course, v, a, zero])
+
+
+def _playable(rows: Array) -> Array:
+    """The rows, if ReferenceTrajectory can play them; else raises PlanningError."""
+    if not (np.isfinite(rows).all() and len(rows) <= ROWS and (np.diff(rows[:, 0]) > _CLOSEST).all()):
+        raise PlanningError(
+            f"the manoeuvre has {len(rows)} rows; at most {ROWS} finite ones whose time increases can be played, "
+            "so change the encounter a little"
+        )
+    return rows
 
 
 def _rows(e: Encounter, decision: Decision, s: Surroundings, data: Car) -> Array:

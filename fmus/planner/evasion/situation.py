@@ -15,7 +15,8 @@ class Surroundings:
     The car drives in the middle of its lane, y = 0; the other lane lies to its left and is free. `front` and `rear`
     are the distances of the bumpers from the centre of gravity. `clearance` is kept from the obstacle and
     `edge_clearance` from the far edge of the road. `reserve`: by how much more than the shortest way must be left for
-    the car to steer, because no controller follows the optimum at the limit of grip.
+    the car to steer, because no controller follows the optimum at the limit of grip. `standstill_gap` [m]: what a
+    stop must leave before the obstacle, for the same reason.
     """
 
     car_width: float = 1.68
@@ -27,6 +28,7 @@ class Surroundings:
     reaction_time: float = 0.3
     deceleration: float = 8.0
     reserve: float = 1.05
+    standstill_gap: float = 0.5
 
     @property
     def road(self) -> float:
