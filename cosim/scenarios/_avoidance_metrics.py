@@ -14,6 +14,8 @@ from cosim.scenarios._tracking_metrics import peak, rms, tracking_errors
 from cosim.slave import Vector
 
 _STANDING = 0.1
+_BRAKES, _STEERS = 0.5, 0.002
+"""Deceleration [m/s2], a little more than that of drag, and steering angle [rad] that count as an action."""
 
 
 def avoidance_metrics(results: Results) -> dict[str, float]:
@@ -28,10 +30,11 @@ def avoidance_metrics(results: Results) -> dict[str, float]:
     speed = np.hypot(results["plant.velocity.x"], results["plant.velocity.y"])
     return {
         "decision": float(decided.code),
-        "distance_after_reaction": decided.left,
+        "distance_left": decided.left,
         "last_point_to_brake": decided.brake,
         "last_point_to_steer": decided.steer,
         "last_point_to_brake_and_steer": decided.brake_and_steer,
+        "first_action": first_action(results),
         "clearance_min": float(gap.min()),
         "impact": float(len(touched) > 0),
         "impact_speed": float(speed[touched[0]]) if len(touched) else math.nan,
@@ -50,6 +53,13 @@ def avoidance_metrics(results: Results) -> dict[str, float]:
 def clearance(results: Results) -> Vector:
     """Distance [m] of the car from the obstacle over time, both as rectangles."""
     return separation(car(results), obstacle(results))
+
+
+def first_action(results: Results) -> float:
+    """When [s] the car first brakes or steers after the obstacle appeared; NaN if it never does."""
+    angle, rate = results["plant.steer_angle.fl"], results["plant.acceleration.x"]
+    acts = np.flatnonzero((np.abs(angle) > _STEERS) | (rate < -_BRAKES))
+    return float(results.time[acts[0]]) if len(acts) else math.nan
 
 
 def road_margin(results: Results) -> float:

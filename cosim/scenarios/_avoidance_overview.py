@@ -73,7 +73,7 @@ def _road(results: Results, axes: Any) -> None:
     for name, way, color in lines:
         if math.isfinite(way):
             axes.axvline(met.distance - way, color=color, linestyle=":", label=f"last point to {name}")
-    axes.axvline(s.reaction_time * met.speed, color="k", linestyle=":", label="the car acts")
+    axes.axvline(s.delay * met.speed, color="k", linestyle=":", label="manoeuvre begins")
 
 
 def _gap(results: Results, axes: Any) -> None:

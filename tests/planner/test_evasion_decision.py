@@ -13,7 +13,7 @@ from fmus.planner.evasion.decision import ACTIONS, decide
 from fmus.planner.evasion.situation import Encounter, Surroundings
 from fmus.planner.evasion.table import Table, read
 
-ROAD = Surroundings(reserve=1.1, reaction_time=0.5, standstill_gap=0.75)
+ROAD = Surroundings(reserve=1.1, reaction_time=0.4, lead=0.1, standstill_gap=0.75)
 SPEEDS, OFFSETS, FRICTIONS = np.array([10.0, 20.0]), np.array([2.0, 3.0]), np.array([0.25, 1.0])
 
 

@@ -22,7 +22,7 @@ from fmus.planner.evasion.situation import Encounter, Surroundings
 from fmus.single_track.data import car
 
 ROAD = Surroundings()
-BRAKE, STEER, BOTH, NEITHER = (Encounter(25.0, distance) for distance in (50.0, 40.0, 33.3, 25.0))
+BRAKE, STEER, BOTH, NEITHER = (Encounter(25.0, distance) for distance in (50.0, 40.0, 35.3, 27.0))
 ALL = (BRAKE, STEER, BOTH, NEITHER)
 
 
@@ -37,7 +37,7 @@ def test_every_action_begins_with_the_reaction(met: Encounter, code: int) -> Non
     t, x, y, course, v, a, curvature = found.rows.T
     assert found.decision.code == code
     assert (np.diff(t) > 0).all() and len(t) <= 4000 and np.isfinite(found.rows).all()
-    early = t < ROAD.reaction_time - 1e-6
+    early = t < ROAD.reaction_time + ROAD.lead - 2e-3
     np.testing.assert_allclose(x[early], 25.0 * t[early])
     assert not y[early].any() and not course[early].any() and not a[early].any() and not curvature[early].any()
     assert (v[early] == 25.0).all()
@@ -83,10 +83,10 @@ def test_rows_that_cannot_be_played_are_refused(monkeypatch: pytest.MonkeyPatch)
 def test_braking_stops_short_of_the_obstacle() -> None:
     rows = planned(BRAKE).rows
     assert rows[-1, 4] == 0 and not rows[:, 2].any()
-    assert rows[-1, 1] == pytest.approx(0.3 * 25 + 25**2 / 16) and rows[-1, 1] < BRAKE.distance
+    assert rows[-1, 1] == pytest.approx(0.38 * 25 + 25**2 / 16) and rows[-1, 1] < BRAKE.distance
 
 
-@pytest.mark.parametrize("met", [STEER, BOTH, Encounter(30.0, 62.0, friction=0.3), Encounter(16.0, 20.5, width=1.0)])
+@pytest.mark.parametrize("met", [STEER, BOTH, Encounter(30.0, 64.4, friction=0.3), Encounter(16.0, 21.8, width=1.0)])
 def test_the_lane_change_leaves_the_obstacle_and_the_road_alone(met: Encounter) -> None:
     found = planned(met)
     assert found.decision.action in ("steer", "brake and steer")
@@ -126,12 +126,12 @@ def test_what_cannot_be_avoided_is_hit_slowly_and_off_centre() -> None:
     assert v[hit] == pytest.approx(found.decision.impact, abs=0.6)
     assert v[hit] <= found.decision.impact, "steering costs no braking"
     assert y[hit] > 0.25 and abs(course[hit]) < 0.11
-    assert a[(t > 0.31) & (v > 0)].max() < -7.9, "the brakes are released"
+    assert a[(t > 0.39) & (v > 0)].max() < -7.9, "the brakes are released"
     assert v[-1] == 0 and y[-1] < ROAD.edge, "it stops on the road"
 
 
 @pytest.mark.parametrize(
-    "met", [Encounter(25.0, 5.0), Encounter(20.0, 29.0, width=7.0), Encounter(25.0, 39.0, width=7)]
+    "met", [Encounter(25.0, 5.0), Encounter(20.0, 30.6, width=7.0), Encounter(25.0, 41.0, width=7)]
 )
 def test_when_steering_is_worth_nothing_the_car_only_brakes(met: Encounter) -> None:
     found = planned(met)
@@ -142,7 +142,7 @@ def test_when_steering_is_worth_nothing_the_car_only_brakes(met: Encounter) -> N
 @pytest.mark.nightly
 def test_a_plan_beyond_the_last_point_is_refused() -> None:
     with pytest.raises(PlanningError):
-        lane_change(Encounter(25.0, 7.5 + 20.0), "steer", ROAD)
+        lane_change(Encounter(25.0, 9.5 + 20.0), "steer", ROAD)
 
 
 def test_a_car_takes_time_to_react() -> None:
@@ -154,7 +154,7 @@ def test_the_road_rises_where_the_nose_reaches_the_obstacle() -> None:
     way = road(STEER, ROAD)
     gates = way.gates(75)
     x = gates.frames[:, 0]
-    assert way.turn == 40.0 - 7.5 and way.turn in x
+    assert way.turn == 40.0 - 9.5 and way.turn in x
     np.testing.assert_array_equal(gates.low, np.where(x >= way.turn, ROAD.offset(2.0), ROAD.right))
     assert way.violation(np.array([[10.0, 0.0], [40.0, ROAD.offset(2.0)]])) == 0
     assert way.violation(np.array([[10.0, 0.0], [40.0, 0.0]])) == pytest.approx(ROAD.offset(2.0))

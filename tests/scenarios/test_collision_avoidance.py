@@ -8,19 +8,22 @@ from cosim.errors import CosimError
 from cosim.run import Request, run
 from cosim.scenarios import _avoidance_metrics
 from cosim.scenarios._rectangles import footprint, separation
-from fmus.planner.evasion.situation import Surroundings
+from fmus.planner.evasion.decision import decide
+from fmus.planner.evasion.situation import Encounter, Surroundings
 from fmus.planner.evasion.table import read
 
 NAME = "collision-avoidance"
 BRAKE = ("scenario.distance=50",)
-BOTH = ("scenario.distance=33.3",)
+BOTH = ("scenario.distance=35.3",)
+FAST = ("scenario.speed=35", "scenario.distance=92")
+SLIPPERY = ("scenario.friction=0.3", "scenario.distance=64.4", "scenario.speed=30")
 NEITHER = ("scenario.distance=25",)
 
 
 def test_braking_stops_before_the_obstacle(scenario_run):
     metrics = scenario_run(NAME, *BRAKE)[0]["metrics"]
     assert metrics["decision"] == 0
-    assert metrics["stop_distance"] == pytest.approx(0.3 * 25 + 25**2 / 16, abs=0.2)
+    assert metrics["stop_distance"] == pytest.approx(0.38 * 25 + 25**2 / 16, abs=0.2)
     assert metrics["clearance_min"] == pytest.approx(50 - metrics["stop_distance"], abs=0.05)
     assert (metrics["impact"], metrics["impact_speed"]) == (0, None)
     assert metrics["lateral_error_max"] < 1e-6
@@ -29,8 +32,8 @@ def test_braking_stops_before_the_obstacle(scenario_run):
 def test_steering_passes_the_obstacle(scenario_run):
     metrics = scenario_run(NAME)[0]["metrics"]
     assert metrics["decision"] == 1
-    assert metrics["distance_after_reaction"] == 40 - 0.3 * 25
-    assert metrics["last_point_to_steer"] < 32.5 < metrics["last_point_to_brake"]
+    assert metrics["distance_left"] == 40 - 0.38 * 25
+    assert metrics["last_point_to_steer"] < 30.5 < metrics["last_point_to_brake"]
     assert metrics["clearance_min"] > 0.45 and metrics["road_margin_min"] > 0.2
     assert metrics["lateral_error_max"] < 0.02
     assert (metrics["impact"], metrics["stop_distance"], metrics["fallback_count"]) == (0, None, 0)
@@ -40,9 +43,7 @@ def test_braking_and_steering_passes_it_nearer_and_slower(scenario_run):
     (summary, results), (_, steered) = scenario_run(NAME, *BOTH), scenario_run(NAME)
     metrics = summary["metrics"]
     assert metrics["decision"] == 2
-    assert (
-        metrics["last_point_to_brake_and_steer"] < metrics["distance_after_reaction"] < metrics["last_point_to_steer"]
-    )
+    assert metrics["last_point_to_brake_and_steer"] < metrics["distance_left"] < metrics["last_point_to_steer"]
     assert metrics["clearance_min"] > 0.45 and metrics["impact"] == 0
     assert metrics["lateral_error_max"] < 0.05
     assert metrics["road_margin_min"] > 0.1
@@ -57,7 +58,7 @@ def test_what_cannot_be_avoided_says_how_fast_it_was_hit(scenario_run):
     assert metrics["decision"] == 3
     assert (metrics["impact"], metrics["clearance_min"]) == (1, 0)
     assert metrics["impact_speed"] == pytest.approx(metrics["impact_speed_expected"], abs=0.6)
-    assert metrics["impact_speed_expected"] == pytest.approx(np.sqrt(25**2 - 16 * 17.5))
+    assert metrics["impact_speed_expected"] == pytest.approx(np.sqrt(25**2 - 16 * 15.5))
     nose = results["plant.position.x"] + 2.0
     touched = int(np.argmax(nose >= 27.0))
     assert metrics["impact_speed"] == pytest.approx(results["plant.velocity.x"][touched], abs=0.2)
@@ -65,9 +66,26 @@ def test_what_cannot_be_avoided_says_how_fast_it_was_hit(scenario_run):
 
 
 def test_a_slippery_road(scenario_run):
-    metrics = scenario_run(NAME, "scenario.friction=0.3", "scenario.distance=62", "scenario.speed=30")[0]["metrics"]
+    metrics = scenario_run(NAME, *SLIPPERY)[0]["metrics"]
     assert metrics["decision"] == 1 and metrics["impact"] == 0
     assert metrics["clearance_min"] > 0.45 and metrics["lateral_error_max"] < 0.05
+
+
+@pytest.mark.parametrize("assignments", [(), BRAKE, BOTH, NEITHER, FAST, SLIPPERY])
+def test_the_car_acts_when_it_has_reacted_and_not_before(scenario_run, assignments):
+    metrics = scenario_run(NAME, *assignments)[0]["metrics"]
+    assert 0.3 <= metrics["first_action"] < 0.4
+
+
+@pytest.mark.parametrize("action", ["brake", "steer", "brake_and_steer"])
+@pytest.mark.parametrize("speed", [15.0, 25.0, 35.0])
+def test_each_action_works_just_before_its_last_point(scenario_run, action, speed):
+    last = getattr(decide(Encounter(speed, 100.0), read()), action)
+    distance = last + 0.38 * speed + 0.01
+    metrics = scenario_run(NAME, f"scenario.speed={speed}", f"scenario.distance={distance}")[0]["metrics"]
+    if not (speed == 15 and action == "steer"):  # there the car would rather brake
+        assert metrics["decision"] == ("brake", "steer", "brake_and_steer").index(action)
+    assert metrics["impact"] == 0 and metrics["clearance_min"] > 0.45 and metrics["road_margin_min"] > 0.1
 
 
 @pytest.mark.parametrize("assignments", [(), BRAKE, BOTH, NEITHER])

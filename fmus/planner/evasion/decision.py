@@ -17,7 +17,7 @@ ACTIONS: tuple[Action, ...] = ("brake", "steer", "brake and steer", "mitigate")
 
 @dataclass(frozen=True, slots=True)
 class Decision:
-    """What to do, and why: distance `left` after the reaction and the last points [m], infinite where none is.
+    """What to do, and why: distance `left` when the manoeuvre begins and the last points [m], infinite where none is.
 
     The last point to brake includes the gap before the obstacle, those to steer the reserve.
 
@@ -38,14 +38,14 @@ class Decision:
 
 
 def decide(encounter: Encounter, table: Table, surroundings: Surroundings | None = None) -> Decision:
-    """The first action whose last point the car has not passed when it has reacted.
+    """The first action whose last point the car has not passed when the manoeuvre can begin.
 
     An obstacle beside which there is no room on the road can only be braked for. Raises PlanningError for an encounter
     that cannot be, or that the table does not hold.
     """
     s = surroundings or Surroundings()
     e = checked(encounter, s)
-    left = e.distance - s.reaction_time * e.speed
+    left = e.distance - s.delay * e.speed
     last = {column: _last_point(table, column, e, s) for column in ("steer", "brake_and_steer")}
     last = {"brake": stopping_distance(e.speed, e.friction, s.deceleration) + s.standstill_gap, **last}
     action = next((name for name, way in zip(ACTIONS, last.values(), strict=False) if way <= left), ACTIONS[-1])

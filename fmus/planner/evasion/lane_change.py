@@ -51,12 +51,12 @@ class EvasionRoad:
 
 
 def road(encounter: Encounter, surroundings: Surroundings) -> EvasionRoad:
-    """The road from where the car has reacted; the centre of gravity has its offset when the nose is at the obstacle.
+    """The road from where the manoeuvre begins; the centre of gravity has its offset when the nose is at the obstacle.
 
     That is a car's front earlier than the nose needs it, which is what the yaw angle costs.
     """
     s, e = surroundings, encounter
-    left = e.distance - s.reaction_time * e.speed
+    left = e.distance - s.delay * e.speed
     end = left + max(_SETTLE * e.speed, s.front + e.length + s.rear + 10)
     return EvasionRoad(left, end, s.right, s.offset(e.width), s.edge)
 

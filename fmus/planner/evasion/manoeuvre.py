@@ -52,7 +52,7 @@ def manoeuvre(
     s = surroundings or Surroundings()
     decision = decide(encounter, table or read(), s)
     rows = _rows(encounter, decision, s, data or car())
-    return Manoeuvre(decision, _playable(_after_reaction(rows, encounter.speed, s.reaction_time)))
+    return Manoeuvre(decision, _playable(_delayed(rows, encounter.speed, s)))
 
 
 def stop(speed: float, deceleration: float, *, x: float = 0.0, y: float = 0.0, course: float = 0.0) -> Array:
@@ -77,7 +77,7 @@ def _playable(rows: Array) -> Array:
 
 
 def _rows(e: Encounter, decision: Decision, s: Surroundings, data: Car) -> Array:
-    """From the end of the reaction on, from the origin."""
+    """From the beginning of the manoeuvre on, from the origin."""
     deceleration = s.deceleration * e.friction
     if decision.action in _MEANS:
         return trajectory.table(lane_change(e, _MEANS[decision.action], s, data))
@@ -103,10 +103,11 @@ def _search(data: Car) -> Search:
     return Search(data, edge=False, compile_=False)
 
 
-def _after_reaction(rows: Array, speed: float, time: float) -> Array:
-    """The rows moved on by the reaction, with straight driving at constant speed before them."""
-    if time < _JUMP:
-        raise PlanningError(f"the reaction time is {time:g} s; give at least {_JUMP:g} s")
+def _delayed(rows: Array, speed: float, s: Surroundings) -> Array:
+    """The rows moved on by the delay, with straight driving at constant speed before them."""
+    if s.reaction_time < _JUMP:
+        raise PlanningError(f"the reaction time is {s.reaction_time:g} s; give at least {_JUMP:g} s")
+    time = s.delay
     moved = rows + np.array([time, speed * time, 0, 0, 0, 0, 0])
     t = np.array([0, time - _JUMP])
     zero = np.zeros_like(t)

@@ -16,7 +16,8 @@ class Surroundings:
     are the distances of the bumpers from the centre of gravity. `clearance` is kept from the obstacle and
     `edge_clearance` from the far edge of the road. `reserve`: by how much more than the shortest way must be left for
     the car to steer, because no controller follows the optimum at the limit of grip. `standstill_gap` [m]: what a
-    stop must leave before the obstacle, for the same reason.
+    stop must leave before the obstacle, for the same reason. `lead` [s]: a controller that sees the plan ahead begins
+    so much before it; the manoeuvre is planned that much later, so that the car does nothing while it reacts.
     """
 
     car_width: float = 1.68
@@ -26,6 +27,7 @@ class Surroundings:
     clearance: float = 0.5
     edge_clearance: float = 0.45
     reaction_time: float = 0.3
+    lead: float = 0.08
     deceleration: float = 8.0
     reserve: float = 1.05
     standstill_gap: float = 0.5
@@ -34,6 +36,11 @@ class Surroundings:
     def road(self) -> float:
         """Width of both lanes."""
         return 2 * self.lane
+
+    @property
+    def delay(self) -> float:
+        """Time [s] from when the obstacle appears to the planned beginning of the manoeuvre."""
+        return self.reaction_time + self.lead
 
     @property
     def edge(self) -> float:
