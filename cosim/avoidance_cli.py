@@ -24,6 +24,7 @@ def avoidance_command(file: Path | None, given: Sequence[str], *, as_json: bool)
 
     Raises CosimError for such an option, or when the table cannot be computed or written.
     """
+    from fmus.planner import files  # noqa: PLC0415
     from fmus.planner.errors import PlanningError  # noqa: PLC0415  (lazy: `--help` answers at once)
     from fmus.planner.evasion import table  # noqa: PLC0415
     from fmus.planner.evasion.situation import Surroundings  # noqa: PLC0415
@@ -32,6 +33,7 @@ def avoidance_command(file: Path | None, given: Sequence[str], *, as_json: bool)
         raise CosimError(f"{NAME} is a table of last points, not one plan; leave out {', '.join(given)}")
     road = Surroundings()
     try:
+        files.check_outputs([] if file is None else [file])
         with _progress(shown=not as_json) as progress:
             found = table.compute(road, progress=progress)
         if file is not None:

@@ -48,6 +48,22 @@ def test_the_table_is_written(plan: pytest.MonkeyPatch, capsys: pytest.CaptureFi
     np.testing.assert_allclose(table.read(file).rows, rows, rtol=1e-5)
 
 
+def test_a_file_that_cannot_be_written_is_refused_before_the_search(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def compute(*_: object, **__: object) -> None:
+        raise AssertionError("searched")
+
+    monkeypatch.setattr(table, "compute", compute)
+    assert run(monkeypatch, "-o", "/no/such/x.csv") == 2
+    assert "/no/such/x.csv cannot be written" in capsys.readouterr().err
+
+
+def test_the_file_of_the_table_is_written_as_it_is(tmp_path: Path) -> None:
+    table.write(table.read(), tmp_path / "again.csv")
+    assert (tmp_path / "again.csv").read_bytes() == table.FILE.read_bytes()
+
+
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [

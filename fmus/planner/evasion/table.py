@@ -14,6 +14,7 @@ from fmus.planner.errors import PlanningError
 from fmus.planner.evasion.braking import stopping_distance, stopping_distance_of_car
 from fmus.planner.evasion.last_point import Search, Task, search
 from fmus.planner.evasion.situation import Surroundings
+from fmus.planner.files import write_table
 from fmus.planner.gates import Array
 
 FRICTIONS = (0.3, 0.6, 1.0)
@@ -75,12 +76,8 @@ def compute(
 
 
 def write(table: Table, file: Path) -> None:
-    """Write the table as CSV; raises PlanningError when the file cannot be written."""
-    lines = [",".join(COLUMNS), *(",".join(f"{value:.6g}" for value in row) for row in table.rows)]
-    try:
-        file.write_text("\n".join(lines) + "\n", "utf-8")
-    except OSError as error:
-        raise PlanningError(f"{file} cannot be written ({error.strerror}); name another file") from error
+    """Write the table as CSV with six digits; raises PlanningError when the file cannot be written."""
+    write_table(COLUMNS, np.array([[float(f"{value:.6g}") for value in row] for row in table.rows]), file)
 
 
 @cache
