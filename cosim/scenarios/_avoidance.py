@@ -5,14 +5,17 @@ The decision and the plan are those of fmus/planner/evasion; ReferenceTrajectory
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cosim.errors import CosimError
+from cosim.face import Value
 from cosim.results import Results
 from cosim.scenario import NumberSetting, Settings
 from cosim.scenarios._plans import kept
+from cosim.scenarios._start import start_on_reference
 from cosim.system import System
 
 if TYPE_CHECKING:
@@ -84,6 +87,31 @@ def loop(settings: Settings) -> System:
     system.connect("plant", "mpc", _TRUTH)
     system.connect("mpc", "plant")
     return system
+
+
+def complete(system: System, settings: Settings) -> None:
+    """Start on the plan; raises CosimError where values of instances contradict what was decided for."""
+    plant, reference = (system.instances[name].parameters for name in ("plant", "reference"))
+    if reference["trajectory_file"] != str(trajectory_file(settings)):
+        raise CosimError("reference.trajectory_file is what the scenario plans; set scenario.* instead")
+    start_on_reference(system)
+    decided: dict[str, float] = {f"road_friction.{w}": settings["friction"] for w in _WHEELS}
+    decided |= {"initial.speed": settings["speed"], "initial.position.x": 0.0}
+    for name, value in decided.items():
+        if not _equal(plant[name], value):
+            setting = {"initial.speed": "speed", "initial.position.x": "distance"}.get(name, "friction")
+            raise CosimError(
+                f"plant.{name} = {plant[name]} is not what the car decides and plans for ({value:g}); "
+                f"set scenario.{setting} instead"
+            )
+
+
+def _equal(given: Value, value: float) -> bool:
+    """Whether they are the same number; the plan keeps nine digits."""
+    try:
+        return math.isclose(float(given), value, rel_tol=1e-8, abs_tol=1e-8)
+    except ValueError:
+        return False
 
 
 def _tyres(mu: float) -> dict[str, float]:

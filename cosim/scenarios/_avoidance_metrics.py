@@ -22,12 +22,15 @@ def avoidance_metrics(results: Results) -> dict[str, float]:
     """Metrics in SI units; `decision`: 0 brake, 1 steer, 2 brake and steer, 3 mitigate.
 
     The run goes on through the obstacle: `impact_speed` is the speed when the car first touches it, NaN if it never
-    does. `stop_distance` is the way to a standstill from where the obstacle appeared, NaN if the car keeps moving.
+    does. `impact` and `clearance_min` are NaN when the run ends before the car has touched or passed the obstacle or
+    come to rest. `stop_distance` is the way to a standstill from where the obstacle appeared, NaN if the car keeps
+    moving.
     """
     decided, e = _avoidance.decision(results.settings), tracking_errors(results)
     gap = clearance(results)
     touched = np.flatnonzero(gap <= 0)
     speed = np.hypot(results["plant.velocity.x"], results["plant.velocity.y"])
+    over = len(touched) > 0 or bool((speed < _STANDING).any()) or _passed(results)
     return {
         "decision": float(decided.code),
         "distance_left": decided.left,
@@ -35,8 +38,8 @@ def avoidance_metrics(results: Results) -> dict[str, float]:
         "last_point_to_steer": decided.steer,
         "last_point_to_brake_and_steer": decided.brake_and_steer,
         "first_action": first_action(results),
-        "clearance_min": float(gap.min()),
-        "impact": float(len(touched) > 0),
+        "clearance_min": float(gap.min()) if over else math.nan,
+        "impact": float(len(touched) > 0) if over else math.nan,
         "impact_speed": float(speed[touched[0]]) if len(touched) else math.nan,
         "impact_speed_expected": decided.impact,
         "stop_distance": _stop_distance(results, speed),
@@ -86,6 +89,11 @@ def obstacle(results: Results) -> Vector:
     met = _avoidance.encounter(results.settings)
     place = np.array([Surroundings().front + met.distance]), np.zeros(1), np.zeros(1)
     return np.asarray(footprint(*place, met.length, 0.0, met.width)[0])
+
+
+def _passed(results: Results) -> bool:
+    """Whether the whole car is beyond the obstacle at the end."""
+    return bool(car(results)[-1, :, 0].min() > obstacle(results)[:, 0].max())
 
 
 def _stop_distance(results: Results, speed: Vector) -> float:

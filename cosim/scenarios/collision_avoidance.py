@@ -4,7 +4,6 @@ from cosim.scenario import Scenario
 from cosim.scenarios import _avoidance
 from cosim.scenarios._avoidance_metrics import avoidance_metrics
 from cosim.scenarios._catalogue import fmu_path
-from cosim.scenarios._start import start_on_reference
 
 SCENARIO = Scenario(
     name="collision-avoidance",
@@ -12,7 +11,7 @@ SCENARIO = Scenario(
     figures="section 3.3.7 (collision avoidance system)",
     stop_time=5.0,
     build=_avoidance.loop,
-    complete=lambda system, _settings: start_on_reference(system),
+    complete=_avoidance.complete,
     find=fmu_path,
     metrics=avoidance_metrics,
     draw=_avoidance.draw,

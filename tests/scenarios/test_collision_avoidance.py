@@ -124,6 +124,36 @@ def test_what_cannot_be_met(name, value, sentence, tmp_path):
     assert sentence in str(error.value)
 
 
+def test_a_run_that_ends_before_the_obstacle_does_not_know(tmp_path):
+    request = Request(scenarios.load(NAME), tmp_path, [("scenario.distance", "50")], stop_time=1.0)
+    metrics = run(request)[0]["metrics"]
+    assert (metrics["impact"], metrics["clearance_min"], metrics["stop_distance"]) == (None, None, None)
+    assert metrics["decision"] == 0
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "sentence"),
+    [
+        ("plant.initial.speed", "20", "plant.initial.speed = 20 is not what the car decides and plans for (25); set"),
+        ("plant.initial.position.x", "3", "set scenario.distance instead"),
+        ("plant.road_friction.rl", "0.5", "(1); set scenario.friction instead"),
+        ("plant.road_friction.fl", "ice", "plant.road_friction.fl = ice is not"),
+        ("reference.trajectory_file", "other.csv", "reference.trajectory_file is what the scenario plans"),
+        ("reference.trajectory_file", "", "reference.trajectory_file is what the scenario plans"),
+    ],
+)
+def test_what_contradicts_the_decision_is_refused(name, value, sentence, tmp_path):
+    with pytest.raises(CosimError) as error:
+        run(Request(scenarios.load(NAME), tmp_path, [(name, value)]))
+    assert sentence in str(error.value)
+
+
+def test_what_follows_from_the_settings_may_be_set_by_hand(tmp_path):
+    given = [("plant.initial.speed", "25"), ("plant.road_friction.rl", "1.0"), ("plant.initial.position.y", "0.1")]
+    summary, _ = run(Request(scenarios.load(NAME), tmp_path, given, stop_time=0.1))
+    assert summary["status"] == "ok"
+
+
 def test_the_settings_are_within_the_table():
     settings, table = scenarios.load(NAME).settings, read()
     limits = [(settings[name].minimum, settings[name].maximum) for name in ("speed", "friction")]
