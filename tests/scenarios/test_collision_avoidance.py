@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cosim import scenarios
+from cosim import display, scenarios
 from cosim.errors import CosimError
 from cosim.run import Request, run
 from cosim.scenarios import _avoidance_metrics
@@ -88,10 +88,31 @@ def test_each_action_works_just_before_its_last_point(scenario_run, action, spee
     assert metrics["impact"] == 0 and metrics["clearance_min"] > 0.45 and metrics["road_margin_min"] > 0.1
 
 
+@pytest.mark.nightly
+@pytest.mark.parametrize("action", ["brake", "steer", "brake_and_steer"])
+@pytest.mark.parametrize(("speed", "friction"), [(15.0, 0.3), (35.0, 0.3), (22.0, 0.45), (31.0, 0.8)])
+def test_each_action_works_on_slippery_roads(action, speed, friction, tmp_path):
+    distance = getattr(decide(Encounter(speed, 100.0, friction), read()), action) + 0.38 * speed + 0.01
+    values = {"speed": speed, "friction": friction, "distance": distance}
+    given = [(f"scenario.{name}", str(value)) for name, value in values.items()]
+    metrics = run(Request(scenarios.load(NAME), tmp_path, given, stop_time=20.0))[0]["metrics"]
+    assert metrics["decision"] == ("brake", "steer", "brake_and_steer").index(action)
+    assert metrics["impact"] == 0 and metrics["clearance_min"] > 0.45 and metrics["first_action"] >= 0.3
+
+
 @pytest.mark.parametrize("assignments", [(), BRAKE, BOTH, NEITHER])
 def test_the_solvers_solve(scenario_run, assignments):
     metrics = scenario_run(NAME, *assignments)[0]["metrics"]
     assert metrics["mpc_unsolved"] == metrics["allocation_unsolved"] == metrics["fallback_count"] == 0
+
+
+def test_where_there_is_no_room_the_last_points_to_steer_are_null_and_keep_their_unit(tmp_path, capsys):
+    given = [("scenario.width", "7"), ("scenario.distance", "60")]
+    summary, _ = run(Request(scenarios.load(NAME), tmp_path, given, stop_time=0.1))
+    assert (summary["metrics"]["decision"], summary["metrics"]["last_point_to_steer"]) == (0, None)
+    display.show(summary, tmp_path)
+    shown = [line.split() for line in capsys.readouterr().out.splitlines() if "last_point_to_steer" in line]
+    assert [cell for cell in shown[0] if cell.isalpha() or cell == "-"] == ["-", "m"]
 
 
 def test_the_same_run_gives_the_same_bytes(tmp_path):
