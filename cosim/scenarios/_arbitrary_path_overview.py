@@ -51,7 +51,7 @@ def _path(results: Results, axes: Any) -> None:
     axes.set(
         xlabel="x [m]",
         ylabel="y [m]",
-        title="built-in road; crosses: where the car was when a local problem was solved",
+        title="built-in road; crosses: the reference when a local problem was solved",
     )
     axes.set_aspect("equal", adjustable="datalim")
     axes.grid(alpha=0.3)

@@ -13,7 +13,7 @@ NAME = "arbitrary-path"
 def test_within_five_percent_of_the_global_optimum(scenario_run) -> None:
     metrics = scenario_run(NAME)[0]["metrics"]
     assert 1.0 <= metrics["optimum_ratio"] <= 1.05
-    assert metrics["final_time"] == pytest.approx(metrics["optimum_ratio"] * metrics["optimum_time"])
+    assert metrics["final_time"] == pytest.approx(metrics["final_time_planned"], abs=0.05)
     assert metrics["problems_failed"] == metrics["fallbacks"] == 0 and metrics["problems"] == 14
     assert metrics["planned_ahead_min"] >= 3.02
 
@@ -23,7 +23,7 @@ def test_reference_is_continuous_at_the_joints(scenario_run) -> None:
     metrics = scenario_run(NAME)[0]["metrics"]
     assert metrics["joint_position_max"] <= 0.002
     assert metrics["joint_course_max"] <= 0.005
-    assert metrics["joint_speed_max"] <= 12 * 0.02, "the acceleration itself jumps with the inputs"
+    assert metrics["joint_speed_max"] <= 0.08, "the acceleration itself jumps with the inputs"
 
 
 def test_controller_follows_and_stays_on_the_road(scenario_run) -> None:
