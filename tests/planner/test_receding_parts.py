@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 
 from fmus.planner.path_road import PathRoad, read_road
-from fmus.planner.receding import built_in, bus, memory, offline, road, speed
+from fmus.planner.receding import built_in, bus, memory, offline, replan, road, run, speed
 from fmus.planner.receding.centre_line import spline
 from fmus.planner.receding.memory import Plan, Record, Tail
 
@@ -73,6 +73,13 @@ def test_gates_go_on_beyond_the_end_and_around() -> None:
     before = ring.gates(-2, 4)
     np.testing.assert_allclose(np.diff(before.frames[:, 2]), ring.turn / ring.last, rtol=1e-3)
     np.testing.assert_allclose(ring.curvature, 1 / 40, rtol=2e-3)
+
+
+def test_car_behind_an_open_road_begins_at_its_first_gate() -> None:
+    p = offline.parameters()
+    way = road.read(p, [])
+    plan = run.start(p, way)
+    assert replan._gate_before(way, plan, plan.x[0] - np.array([20.0, 0, 0, 0, 0, 0, 0])) == 0
 
 
 def test_road_survives_its_numbers() -> None:

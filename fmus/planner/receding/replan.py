@@ -46,4 +46,5 @@ def _gate_before(road: Road, plan: Plan, state: Array) -> int:
     near = np.hypot(*away.T)
     nearest = int(np.argmin(near))
     later = [k for k in range(nearest, count) if ahead[k] > _AHEAD * road.spacing]
-    return first + (later[0] if later else count) - 1
+    gate = first + (later[0] if later else count) - 1
+    return gate if road.closed else max(gate, 0)
