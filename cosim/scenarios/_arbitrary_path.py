@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-import csv
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cosim.errors import CosimError, because
+from cosim.errors import CosimError
+from cosim.face import Port, Value
 from cosim.results import Results
 from cosim.scenario import Settings
 from cosim.scenarios._plans import planned
 from cosim.system import System
+from cosim.values import coerce
 
 if TYPE_CHECKING:
     from fmus.planner.path_road import PathRoad
@@ -59,12 +61,13 @@ def start_beside_plan(system: System, settings: Settings) -> None:
     """The car starts where the planner does, `lateral_offset` to the left, unless told otherwise."""
     import numpy as np  # noqa: PLC0415  (lazy: `cosim list`)
 
+    from fmus.planner.errors import PlanningError  # noqa: PLC0415
     from fmus.planner.receding import road, run  # noqa: PLC0415
 
-    p = _defaults() | _typed(system.instances["planner"].parameters)
+    p = _defaults() | _checked(system.instances["planner"].parameters)
     try:
-        start = run.start(p, road.read(p, _rows(Path(p["road_file"])) if p["road_file"] else []))
-    except ValueError as error:
+        start = run.start(p, road.read(p, _rows(p["road_file"])))
+    except (ValueError, PlanningError) as error:
         raise CosimError(f"planner: {error}") from None
     x, y, v, _, yaw, *_ = start.x[0]
     left = float(settings["lateral_offset"])
@@ -110,32 +113,23 @@ def _defaults() -> dict[str, Any]:
     return {variable.name: variable.start for variable in COMPONENT.interface.select("parameter")}
 
 
-def _typed(given: Any) -> dict[str, Any]:
-    """Values set by hand may be text; what is not a number is refused where it is set."""
-    start = _defaults()
-    found: dict[str, Any] = {}
-    for name, value in given.items():
-        if isinstance(start.get(name), bool):
-            found[name] = str(value).lower() in ("true", "1", "1.0")
-        elif isinstance(start.get(name), float):
-            found[name] = _number(name, value)
-        else:
-            found[name] = value
-    return found
+def _checked(given: Mapping[str, Value]) -> dict[str, Any]:
+    """Values set of the planner as their types, in range: the road is laid before the FMU can check them."""
+    from fmus.planner.receding import COMPONENT  # noqa: PLC0415
+
+    ports = {
+        v.name: Port(v.name, 0, v.causality, v.type, unit=v.unit, minimum=v.minimum, maximum=v.maximum)
+        for v in COMPONENT.interface.select("parameter")
+    }
+    return {name: coerce("planner", ports[name], value) for name, value in given.items() if name in ports}
 
 
-def _number(name: str, value: Any) -> float:
-    try:
-        return float(value)
-    except ValueError:
-        raise CosimError(f"planner.{name} = {value!r} is not a number") from None
+def _rows(file: str) -> list[list[float]]:
+    """Rows of the road file; none without a file."""
+    from fmus.planner.path_road import read_road  # noqa: PLC0415
 
-
-def _rows(file: Path) -> list[list[float]]:
-    try:
-        with file.open(newline="", encoding="utf-8-sig") as source:
-            return [[float(cell) for cell in row] for row in list(csv.reader(source))[1:] if row]
-    except OSError as error:
-        raise CosimError(f"cannot read the road {file}: {because(error)}") from None
-    except (ValueError, csv.Error) as error:
-        raise CosimError(f"the road {file} is not made of numbers: {error}") from None
+    if not file:
+        return []
+    road = read_road(Path(file))
+    rows: list[list[float]] = [[*point, *widths] for point, widths in zip(road.points, road.widths, strict=True)]
+    return rows

@@ -64,7 +64,7 @@ class PathRoad:
 def read_road(path: Path, clearance: float = 0.84, closed: bool = False) -> PathRoad:
     """A road from a CSV file with the columns x, y, width_left, width_right [m]; PlanningError says what is wrong."""
     try:
-        with path.open(newline="", encoding="utf-8") as file:
+        with path.open(newline="", encoding="utf-8-sig") as file:
             rows = list(csv.reader(file))
     except OSError as error:
         raise PlanningError(f"the road {path} cannot be read ({error.strerror}); name a CSV file") from error

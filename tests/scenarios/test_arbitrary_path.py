@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from cosim.errors import CosimError
+from cosim.scenario import configured
+from cosim.scenarios import load
 from cosim.scenarios._arbitrary_path_metrics import at_samples
 
 NAME = "arbitrary-path"
@@ -46,3 +51,31 @@ def test_start_beside_the_plan_is_caught(scenario_run) -> None:
 def test_speed_at_the_start_is_told_to_both(scenario_run) -> None:
     _, results = scenario_run(NAME, "planner.initial.speed=20")
     assert results["plant.velocity.x"][0] == pytest.approx(20.0) == results["planner.reference.speed"][0]
+
+
+@pytest.mark.parametrize(
+    ("rows", "said"),
+    [
+        ("0,0,3\n20,0,3\n", "line 2"),
+        ("0,0,3,3\n20,0,3\n", "line 3"),
+        ("0,0,3,3\n20,nan,3,3\n", "line 3"),
+        ("0,0,3,3\n20,inf,3,3\n", "line 3"),
+        ("0,0,3,3\n20,far,3,3\n", "line 3"),
+        ("", "give at least 4"),
+    ],
+)
+def test_a_bad_road_is_told_by_its_line(rows: str, said: str, tmp_path: Path) -> None:
+    file = tmp_path / "road.csv"
+    file.write_text(f"x,y,width_left,width_right\n{rows}")
+    with pytest.raises(CosimError, match=said):
+        configured(load(NAME), [("planner.road_file", str(file))])
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("road.spacing", value) for value in ("0", "1e-12", "nan", "inf", "-3", "wide")]
+    + [("road.clearance", value) for value in ("nan", "-1", "wide")],
+)
+def test_a_bad_number_is_told_before_the_road_is_laid(name: str, value: str) -> None:
+    with pytest.raises(CosimError, match=f"planner.{name} = {value}"):
+        configured(load(NAME), [(f"planner.{name}", value)])
