@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 from cosim.results import Results
 from cosim.scenarios._arbitrary_path import built_in_road, clearance
 from cosim.scenarios._arbitrary_path_metrics import at_samples
+from cosim.scenarios._page import draw_page
 from cosim.scenarios._tracking_metrics import tracking_errors
 from cosim.scenarios._tracking_overview import plot
 
@@ -23,20 +21,8 @@ _GATES = 400
 
 def draw_overview(results: Results, file: Path, title: str) -> None:
     """Draw all panels and save them to `file`."""
-    figure = Figure(figsize=(16, 18), layout="constrained")
-    FigureCanvasAgg(figure)
-    figure.suptitle(title)
-    grid = figure.add_gridspec(5, 2)
-    _path(results, figure.add_subplot(grid[:2, :]))
-    panels: Sequence[Callable[[Results, Any], None]] = (_speeds, _errors, _steering, _torques, _ahead, _iterations)
-    for i, panel in enumerate(panels):
-        axes = figure.add_subplot(grid[2 + i // 2, i % 2])
-        panel(results, axes)
-        axes.set_xlabel("time [s]")
-        axes.grid(alpha=0.3)
-        axes.margins(y=0.2)
-        axes.legend(loc="upper right", ncols=4, fontsize="small")
-    figure.savefig(file, dpi=80)
+    panels = (_speeds, _errors, _steering, _torques, _ahead, _iterations)
+    draw_page(results, file, title, _path, panels, path_rows=2)
 
 
 def _path(results: Results, axes: Any) -> None:

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
-from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from cosim.results import Results
 from cosim.scenarios import _avoidance, _avoidance_metrics
+from cosim.scenarios._page import draw_page
 from cosim.scenarios._tracking_metrics import tracking_errors
 from cosim.scenarios._tracking_overview import plot
 
@@ -25,23 +23,11 @@ _EVERY = 4.0
 
 def draw_overview(results: Results, file: Path, title: str) -> None:
     """Draw all panels and save them to `file`."""
-    figure = Figure(figsize=(16, 15), layout="constrained")
-    FigureCanvasAgg(figure)
-    figure.suptitle(title)
-    grid = figure.add_gridspec(4, 2)
-    _path(results, figure.add_subplot(grid[0, :]))
-    panels: Sequence[Callable[[Results, Any], None]] = (
+    panels = (
         *(_gap, _speeds, _errors),
         *(_steering, _accelerations, _torques),
     )
-    for i, panel in enumerate(panels):
-        axes = figure.add_subplot(grid[1 + i // 2, i % 2])
-        panel(results, axes)
-        axes.set_xlabel("time [s]")
-        axes.grid(alpha=0.3)
-        axes.margins(y=0.2)
-        axes.legend(loc="upper right", ncols=4, fontsize="small")
-    figure.savefig(file, dpi=80)
+    draw_page(results, file, title, _path, panels)
 
 
 def _path(results: Results, axes: Any) -> None:
