@@ -50,6 +50,10 @@ class Results:
         rows = np.flatnonzero(nanoseconds % period == 0)
         return rows[rows < len(self.time) - 1]
 
+    def samples(self, instance: str, name: str) -> Vector:
+        """The values of the variable `name` of `instance` at the rows at which it computed."""
+        return np.asarray(self[f"{instance}.{name}"][self.instants(instance)])
+
 
 def load_results(folder: Path, periods: Mapping[str, float], settings: Mapping[str, Any] | None = None) -> Results:
     """The results in a run's folder: the Parquet file, or what a killed run left in its stream."""

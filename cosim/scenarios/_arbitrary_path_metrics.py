@@ -26,7 +26,7 @@ def arbitrary_path_metrics(results: Results) -> dict[str, float]:
         "problems": last(results, "problem.count"),
         "problems_failed": last(results, "problem.failed"),
         "fallbacks": last(results, "fallback.count"),
-        "solver_iterations_max": peak(at_samples(results, "solver.iterations")),
+        "solver_iterations_max": peak(results.samples("planner", "solver.iterations")),
         "planned_ahead_min": planned_ahead(results),
         **joints(results),
         "corridor_violation_max": violation(results),
@@ -56,15 +56,16 @@ def optimal_time(results: Results) -> float:
 
 def planned_ahead(results: Results) -> float:
     """The least time [s] planned ahead of now while there was more to plan."""
-    planning = at_samples(results, "plan.phase") == PLANNING
-    ahead = at_samples(results, "plan.end_time") - results.time[results.instants("planner")]
+    planning = results.samples("planner", "plan.phase") == PLANNING
+    ahead = results.samples("planner", "plan.end_time") - results.time[results.instants("planner")]
     return float(np.min(ahead[planning], initial=np.inf))
 
 
 def joints(results: Results) -> dict[str, float]:
     """Jumps of the reference from sample to sample beyond what its own derivatives explain: m, rad, m/s."""
     x, y, course, speed, acceleration, curvature = (
-        at_samples(results, f"reference.{name}") for name in ("x", "y", "course", "speed", "acceleration", "curvature")
+        results.samples("planner", f"reference.{name}")
+        for name in ("x", "y", "course", "speed", "acceleration", "curvature")
     )
     step = np.diff(results.time[results.instants("planner")])
     middle = 0.5 * (course[1:] + course[:-1])
@@ -86,12 +87,7 @@ def violation(results: Results) -> float:
 
 def last(results: Results, name: str) -> float:
     """The signal of the planner at its last sample."""
-    return float(at_samples(results, name)[-1])
-
-
-def at_samples(results: Results, name: str) -> Vector:
-    """A signal of `planner` at the instants at which it computed."""
-    return np.asarray(results[f"planner.{name}"][results.instants("planner")])
+    return float(results.samples("planner", name)[-1])
 
 
 def _mean(values: Vector) -> Vector:

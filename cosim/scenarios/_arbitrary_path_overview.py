@@ -9,7 +9,6 @@ import numpy as np
 
 from cosim.results import Results
 from cosim.scenarios._arbitrary_path import built_in_road, clearance
-from cosim.scenarios._arbitrary_path_metrics import at_samples
 from cosim.scenarios._page import draw_page
 from cosim.scenarios._tracking_metrics import tracking_errors
 from cosim.scenarios._tracking_overview import plot
@@ -30,10 +29,10 @@ def _path(results: Results, axes: Any) -> None:
     gates = road.gates(_GATES)
     for side in (gates.low - road.clearance, gates.high + road.clearance):
         axes.plot(*gates.point(side).T, color="tab:gray")
-    axes.plot(at_samples(results, "reference.x"), at_samples(results, "reference.y"), "k--", label="plan")
+    axes.plot(results.samples("planner", "reference.x"), results.samples("planner", "reference.y"), "k--", label="plan")
     axes.plot(results["plant.position.x"], results["plant.position.y"], color="tab:blue", label="car (O1)")
     rows = _joints(results)
-    axes.plot(*(at_samples(results, f"reference.{axis}")[rows] for axis in "xy"), "x", color="C3")
+    axes.plot(*(results.samples("planner", f"reference.{axis}")[rows] for axis in "xy"), "x", color="C3")
     axes.set(
         xlabel="x [m]",
         ylabel="y [m]",
@@ -45,7 +44,7 @@ def _path(results: Results, axes: Any) -> None:
 
 
 def _joints(results: Results) -> np.ndarray:
-    return np.flatnonzero(np.diff(at_samples(results, "problem.count"), prepend=0.0) > 0)
+    return np.flatnonzero(np.diff(results.samples("planner", "problem.count"), prepend=0.0) > 0)
 
 
 def _speeds(results: Results, axes: Any) -> None:
@@ -75,7 +74,7 @@ def _torques(results: Results, axes: Any) -> None:
 
 def _ahead(results: Results, axes: Any) -> None:
     time = results.time[results.instants("planner")]
-    axes.plot(time, at_samples(results, "plan.end_time") - time, label="planned ahead")
+    axes.plot(time, results.samples("planner", "plan.end_time") - time, label="planned ahead")
     axes.axhline(3.0, color="tab:gray", linestyle=":", label="preview")
     axes.set(title="time planned ahead", ylabel="s")
 

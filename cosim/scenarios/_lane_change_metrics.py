@@ -6,7 +6,7 @@ import numpy as np
 
 from cosim.results import Results
 from cosim.scenarios._lane_change import corridor
-from cosim.scenarios._mpc_metrics import at_samples, largest, mpc_metrics
+from cosim.scenarios._mpc_metrics import largest, mpc_metrics
 from cosim.scenarios._tracking_metrics import estimate_errors, longest_saturation, peak, rms
 
 _AVAILABLE = "mpc.motor_available."
@@ -35,7 +35,7 @@ def motor_failure_metrics(results: Results) -> dict[str, float]:
     lost = np.any([results[name][known] < 1.0 for name in results.names if name.startswith(_AVAILABLE)], axis=0)
     found = {}
     for name in ("force_x", "force_y", "moment_z"):
-        found[f"residual_{name}_max_after_failure"] = largest(at_samples(results, f"residual.{name}")[lost])
+        found[f"residual_{name}_max_after_failure"] = largest(results.samples("mpc", f"residual.{name}")[lost])
     return lane_change_metrics(results) | found
 
 

@@ -33,7 +33,7 @@ def residuals(results: Results) -> dict[str, float]:
     """What the wheels give less what was wanted: RMS and largest."""
     found: dict[str, float] = {}
     for name in ("force_x", "force_y", "moment_z"):
-        values = at_samples(results, f"residual.{name}")
+        values = results.samples("mpc", f"residual.{name}")
         found |= {f"residual_{name}_rms": rms(values), f"residual_{name}_max": peak(values)}
     return found
 
@@ -42,18 +42,13 @@ def solvers(results: Results) -> dict[str, float]:
     """Samples each solver did not solve, its iterations, and how often an earlier plan was followed."""
     found: dict[str, float] = {}
     for name, prefix in (("solver", "mpc"), ("allocation", "allocation")):
-        status, iterations = (at_samples(results, f"{name}.{what}") for what in ("status", "iterations"))
+        status, iterations = (results.samples("mpc", f"{name}.{what}") for what in ("status", "iterations"))
         found[f"{prefix}_unsolved"] = float(np.sum(status != SOLVED))
         found[f"{prefix}_iterations_mean"] = float(np.mean(iterations))
         found[f"{prefix}_iterations_max"] = peak(iterations)
-    return found | {"fallback_count": peak(at_samples(results, "fallback.count"))}
+    return found | {"fallback_count": peak(results.samples("mpc", "fallback.count"))}
 
 
 def largest(values: Vector) -> float:
     """Largest magnitude; NaN without values."""
     return peak(values) if len(values) else float("nan")
-
-
-def at_samples(results: Results, name: str) -> Vector:
-    """A signal of `mpc` at the instants at which it computed."""
-    return np.asarray(results[f"mpc.{name}"][results.instants("mpc")])

@@ -39,10 +39,12 @@ def test_the_last_row_is_no_sampling_instant(tmp_path):
     vector = np.zeros(4)
     recorder = Recorder(tmp_path, vector, SIGNALS, [0])
     for k in range(11):
-        vector[0] = k / 10
+        vector[:2] = k / 10, -k
         recorder()
     recorder.close()
-    assert load_results(tmp_path, {"llc": 0.5}).instants("llc").tolist() == [0, 5]
+    results = load_results(tmp_path, {"llc": 0.5, "plant": 0.5})
+    assert results.instants("llc").tolist() == [0, 5]
+    assert results.samples("plant", "y").tolist() == [0.0, -5.0]
 
 
 def test_unknown_signals_and_missing_results(tmp_path):

@@ -10,7 +10,6 @@ import pytest
 from cosim.errors import CosimError
 from cosim.scenario import configured
 from cosim.scenarios import load
-from cosim.scenarios._arbitrary_path_metrics import at_samples
 
 NAME = "arbitrary-path"
 
@@ -38,7 +37,7 @@ def test_controller_follows_and_stays_on_the_road(scenario_run) -> None:
     assert metrics["corridor_violation_max"] == 0.0
     assert metrics["mpc_unsolved"] <= 5 and metrics["fallback_count"] == 0
     x = np.interp(metrics["final_time"], results.time, results["plant.position.x"])
-    assert x == pytest.approx(at_samples(results, "reference.x")[round(metrics["final_time"] / 0.02)], abs=1.0)
+    assert x == pytest.approx(results.samples("planner", "reference.x")[round(metrics["final_time"] / 0.02)], abs=1.0)
     assert results["plant.velocity.x"].max() > 30
 
 
