@@ -11,6 +11,7 @@ from cosim.face import Port, Value
 from cosim.results import Results
 from cosim.scenario import Settings
 from cosim.scenarios._plans import planned
+from cosim.scenarios._sensors import TRUE_STATES
 from cosim.system import System
 from cosim.values import coerce
 
@@ -29,7 +30,6 @@ controller can correct: the single-track car knows no load transfer, and brakes 
 
 INTERVALS = 69
 """Of the global optimum: as long as the gates of the planner are apart."""
-_TRUTH = {"estimate.": "", "estimate.yaw_rate": "angular_rate.z"}
 
 
 def loop(settings: Settings) -> System:
@@ -38,9 +38,9 @@ def loop(settings: Settings) -> System:
     system.add("plant", "DoubleTrack", {"tyre.combined_slip": True})
     system.add("planner", "RecedingHorizonPlanner", planner_parameters(settings))
     system.add("mpc", "MpcAllocator")
-    system.connect("plant", "planner", _TRUTH)
+    system.connect("plant", "planner", TRUE_STATES)
     system.connect("planner", "mpc")
-    system.connect("plant", "mpc", _TRUTH)
+    system.connect("plant", "mpc", TRUE_STATES)
     system.connect("mpc", "plant")
     return system
 

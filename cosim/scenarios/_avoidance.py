@@ -15,6 +15,7 @@ from cosim.face import Value
 from cosim.results import Results
 from cosim.scenario import NumberSetting, Settings
 from cosim.scenarios._plans import kept
+from cosim.scenarios._sensors import TRUE_STATES
 from cosim.scenarios._start import start_on_reference
 from cosim.system import System
 
@@ -31,7 +32,6 @@ SETTINGS = {
 _USED = 0.85
 """Part of the friction within which the wheel forces stay; MpcAllocator does not know that a longitudinal force takes
 from the lateral one (engineering choice, enough for 8 m/s2)."""
-_TRUTH = {"estimate.": "", "estimate.yaw_rate": "angular_rate.z"}
 _WHEELS = ("fl", "fr", "rl", "rr")
 
 
@@ -84,7 +84,7 @@ def loop(settings: Settings) -> System:
         "mpc", "MpcAllocator", {"limit.force": 5000.0, "limit.power": 1e6, "limit.friction": _USED * mu, **_tyres(mu)}
     )
     system.connect("reference", "mpc")
-    system.connect("plant", "mpc", _TRUTH)
+    system.connect("plant", "mpc", TRUE_STATES)
     system.connect("mpc", "plant")
     return system
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from cosim.results import Results
 from cosim.scenario import NumberSetting, Settings
 from cosim.scenarios._plans import planned
+from cosim.scenarios._sensors import TRUE_STATES
 from cosim.scenarios._start import Offset, start_on_reference
 from cosim.system import System
 
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
     from fmus.planner.vehicle import Vehicle
 
 INTERVALS = 160
-_TRUTH = {"estimate.": "", "estimate.yaw_rate": "angular_rate.z"}
 
 
 def perturbations(lateral: float = 0.0) -> dict[str, NumberSetting]:
@@ -59,7 +59,7 @@ def planar_loop(settings: Settings, margin: float = 0.0) -> System:
     system.add("reference", "ReferenceTrajectory", {"trajectory_file": str(lane_change_plan(margin=margin))})
     system.add("mpc", "MpcAllocator")
     system.connect("reference", "mpc")
-    system.connect("plant", "mpc", _TRUTH)
+    system.connect("plant", "mpc", TRUE_STATES)
     system.connect("mpc", "plant")
     return system
 

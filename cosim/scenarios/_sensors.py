@@ -1,6 +1,11 @@
-"""Sensors and the filter of a car: which there are, how they are wired, and who sees what."""
+"""Sensors and the filter of a car: which there are, how they are wired, and who sees what.
+
+Instances are named after their car: `car` is a prefix like "car2.", empty where there is but one.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
 
 from cosim.scenario import Setting, Settings
 from cosim.system import System
@@ -10,35 +15,42 @@ SETTINGS = {
     "gps_profile": Setting("rtk", ("rtk", "dgps", "standalone"), "kind of satellite receiver"),
     "imu_profile": Setting("automotive", ("automotive", "tactical"), "grade of the inertial unit"),
 }
-TRUE_YAW_RATE = {"estimate.yaw_rate": "angular_rate.z"}
+TRUE_YAW_RATE = {"yaw_rate": "angular_rate.z"}
 # Body rates stand in for the rates of yaw, roll and pitch, which `estimate.*_rate` are: with roll and pitch of a few
 # degrees they differ by terms like yaw' sin(pitch), below 0.02 rad/s here.
-TRUE_RATES = {**TRUE_YAW_RATE, "estimate.roll_rate": "angular_rate.x", "estimate.pitch_rate": "angular_rate.y"}
+TRUE_RATES = {**TRUE_YAW_RATE, "roll_rate": "angular_rate.x", "pitch_rate": "angular_rate.y"}
 
 
-def add_sensors(system: System, settings: Settings) -> None:
-    """`imu`, `gps` and `filter`, which knows their profiles, on the car `plant`."""
+def add_sensors(system: System, settings: Settings, car: str = "") -> None:
+    """`imu`, `gps` and `filter`, which knows their profiles, on the `plant` of the car."""
     from fmus.estimator.profiles import profile as filter_profile  # noqa: PLC0415  (lazy: `cosim list`)
     from fmus.sensors.gps.profiles import profile as gps_profile  # noqa: PLC0415
     from fmus.sensors.imu.profiles import profile as imu_profile  # noqa: PLC0415
 
     gps, imu = settings["gps_profile"], settings["imu_profile"]
-    system.add("imu", "Imu", imu_profile(imu))
-    system.add("gps", "GpsReceiver", gps_profile(gps))
-    system.add("filter", "NavigationFilter", filter_profile(gps, imu))
-    system.connect("plant", "imu", {"truth.": ""})
-    system.connect("plant", "gps", {"truth.": ""})
-    system.connect("imu", "filter")
-    system.connect("gps", "filter")
-    system.connect("plant", "filter")
+    system.add(f"{car}imu", "Imu", imu_profile(imu))
+    system.add(f"{car}gps", "GpsReceiver", gps_profile(gps))
+    system.add(f"{car}filter", "NavigationFilter", filter_profile(gps, imu))
+    system.connect(f"{car}plant", f"{car}imu", {"truth.": ""})
+    system.connect(f"{car}plant", f"{car}gps", {"truth.": ""})
+    for source in ("imu", "gps", "plant"):
+        system.connect(f"{car}{source}", f"{car}filter")
 
 
-def feed_back(system: System, settings: Settings, listener: str, rates: dict[str, str]) -> None:
-    """`listener` sees the filter's estimate, or the plant's states with the body rates that `rates` names.
+def feed_back(system: System, settings: Settings, listener: str, rates: Mapping[str, str], car: str = "") -> None:
+    """`listener` sees how its own car moves, as its `estimate.*`; `rates` are those it wants of the true ones."""
+    tell(system, settings, f"{car}{listener}", "estimate.", rates, car)
+
+
+def tell(
+    system: System, settings: Settings, listener: str, inputs: str, rates: Mapping[str, str], car: str = ""
+) -> None:
+    """`listener` gets in its inputs `inputs`* how `car` moves: the filter's estimate, or with the true rates the truth.
 
     With feedback=truth the sensors and the filter run along, but nobody listens.
     """
     if settings["feedback"] == "filter":
-        system.connect("filter", listener)
+        system.connect(f"{car}filter", listener, {inputs: "estimate."})
     else:
-        system.connect("plant", listener, {"estimate.": "", **rates})
+        true = {f"{inputs}{name}": output for name, output in rates.items()}
+        system.connect(f"{car}plant", listener, {inputs: "", **true})
