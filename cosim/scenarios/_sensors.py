@@ -19,6 +19,8 @@ TRUE_YAW_RATE = {"yaw_rate": "angular_rate.z"}
 # Body rates stand in for the rates of yaw, roll and pitch, which `estimate.*_rate` are: with roll and pitch of a few
 # degrees they differ by terms like yaw' sin(pitch), below 0.02 rad/s here.
 TRUE_RATES = {**TRUE_YAW_RATE, "roll_rate": "angular_rate.x", "pitch_rate": "angular_rate.y"}
+TRUE_STATES = {"estimate.": "", "estimate.yaw_rate": "angular_rate.z"}
+"""For `System.connect`: a plant's states in place of an estimate."""
 
 
 def add_sensors(system: System, settings: Settings, car: str = "") -> None:

@@ -23,26 +23,35 @@ class Offset:
 
 
 NONE = Offset()
+Point = tuple[float, float, float, float]
+"""x, y [m], course [rad], speed [m/s]."""
 
 
-def start_on_reference(system: System, offset: Offset = NONE) -> None:
+def start_on_reference(system: System, offset: Offset = NONE, car: str = "") -> None:
     """Start the car, and the filter's belief if there is one, `offset` from the reference unless told otherwise."""
-    reference = system.instances["reference"].parameters
+    x, y, course, speed = first_point(system, car)
+    x, y = x - offset.lateral * math.sin(course), y + offset.lateral * math.cos(course)
+    start_at(system, (x, y, course + offset.yaw, speed + offset.speed), car)
+
+
+def first_point(system: System, car: str = "") -> Point:
+    """Where the reference of the car begins."""
+    reference = system.instances[f"{car}reference"].parameters
     file = str(reference.get("trajectory_file", ""))
-    x, y, course, speed = _first_row(Path(file)) if file else _built_in(reference)
-    start = {
-        "initial.position.x": x - offset.lateral * math.sin(course),
-        "initial.position.y": y + offset.lateral * math.cos(course),
-        "initial.yaw": _wrapped(course + offset.yaw),
-        "initial.speed": speed + offset.speed,
-    }
-    for name in ("plant", "filter"):
+    return _first_row(Path(file)) if file else _built_in(reference)
+
+
+def start_at(system: System, point: Point, car: str = "") -> None:
+    """Start the car, and the filter's belief if there is one, at `point` unless told otherwise."""
+    x, y, yaw, speed = point
+    start = {"position.x": x, "position.y": y, "yaw": _wrapped(yaw), "speed": speed}
+    for name in (f"{car}plant", f"{car}filter"):
         if name in system.instances:
             for variable, value in start.items():
-                system.instances[name].parameters.setdefault(variable, value)
+                system.instances[name].parameters.setdefault(f"initial.{variable}", value)
 
 
-def _built_in(reference: Mapping[str, Value]) -> tuple[float, float, float, float]:
+def _built_in(reference: Mapping[str, Value]) -> Point:
     names = ("initial.x", "initial.y", "initial.course", "initial_speed")
     try:
         x, y, course, speed = (float(reference.get(name, 0.0)) for name in names)
@@ -51,7 +60,7 @@ def _built_in(reference: Mapping[str, Value]) -> tuple[float, float, float, floa
     return x, y, course, speed
 
 
-def _first_row(file: Path) -> tuple[float, float, float, float]:
+def _first_row(file: Path) -> Point:
     try:
         with file.open(newline="", encoding="utf-8-sig") as source:
             row = next(csv.DictReader(source, skipinitialspace=True))

@@ -53,11 +53,11 @@ def complete(system: System, _settings: Settings) -> None:
     tell_the_actuator(system)
 
 
-def tell_the_actuator(system: System) -> None:
+def tell_the_actuator(system: System, car: str = "") -> None:
     """Values set of llc are those that hlc assumes of it (`actuator.*`), unless hlc was told otherwise."""
     from fmus.controllers.high_level_lqr.interface import ACTUATOR  # noqa: PLC0415  (lazy: `cosim list`)
 
-    assumed, given = system.instances["hlc"].parameters, system.instances["llc"].parameters
+    assumed, given = (system.instances[f"{car}{name}"].parameters for name in ("hlc", "llc"))
     for name in ACTUATOR:
         if name in given:
             assumed.setdefault(f"actuator.{name}", given[name])
