@@ -36,8 +36,8 @@ def lane_change_bus(t: float) -> dict[str, float]:
     return values | {"reference.yaw_rate": now["speed"] * now["curvature"]}
 
 
-def _inputs(t: float) -> dict[str, float]:
-    """The trajectory bus, and a car with the reference's course to its left, at time t [s]."""
+def car_beside(t: float) -> dict[str, float]:
+    """The trajectory bus, and a car with the reference's course 0.2 m to its left, at time t [s]."""
     now = lane_change(t)
     return lane_change_bus(t) | {
         "estimate.position.x": now["x"],
@@ -52,7 +52,7 @@ RUN = ReferenceRun(
     " and does not answer: what is seen is the feed-forward, and a feedback that grows with its integral.",
     stop=4.0,
     step=0.02,
-    inputs=_inputs,
+    inputs=car_beside,
     plots={
         "Error across the path": ("error.lateral",),
         "Yaw rate": ("command.yaw_rate", "feedforward.yaw_rate", "feedback.yaw_rate"),

@@ -3,23 +3,16 @@
 from __future__ import annotations
 
 from fmukit.reference_run import ReferenceRun
-from fmus.controllers.high_level_lqr.reference_run import lane_change, lane_change_bus
+from fmus.controllers.high_level_lqr.reference_run import car_beside
 from fmus.wheels import WHEELS
 
-_OFFSET, _LOST = 0.2, 2.0
+_LOST = 2.0
 
 
 def _inputs(t: float) -> dict[str, float]:
-    """The trajectory bus, a car with the reference's course to its left, and a motor lost, at time t [s]."""
-    now = lane_change(t)
-    return lane_change_bus(t) | {
-        "estimate.position.x": now["x"],
-        "estimate.position.y": now["y"] + _OFFSET,
-        "estimate.yaw": now["course"],
-        "estimate.yaw_rate": now["speed"] * now["curvature"],
-        "estimate.velocity.x": now["speed"],
-        "motor_available.rr": float(t < _LOST),
-    }
+    """The trajectory bus, a car 0.2 m to the left with its yaw rate, and a motor lost, at time t [s]."""
+    bus = car_beside(t)
+    return bus | {"estimate.yaw_rate": bus["reference.yaw_rate"], "motor_available.rr": float(t < _LOST)}
 
 
 RUN = ReferenceRun(
