@@ -9,6 +9,7 @@ import threading
 import zipfile
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import casadi as ca
@@ -175,22 +176,15 @@ def _patterns() -> tuple[ca.Sparsity, ca.Sparsity]:
 def test_a_solver_that_is_called_must_be_given() -> None:
     interface = Interface("Lone", "no solver given", "sampled", 1.0, demo_programs.INTERFACE.variables)
     kernel = demo_programs.kernel()
-    states = Layout(all=kernel.step.numel_out(0))
+    assembled = partial(
+        sampled_kernel,
+        interface,
+        states=Layout(all=kernel.step.numel_out(0)),
+        derived=Layout(),
+        initialise=kernel.initialise,
+        step=kernel.step,
+    )
     with pytest.raises(ValueError, match=r"Lone: solvers given twice \[], called but not given \['qp_plan'\]"):
-        sampled_kernel(
-            interface,
-            states=states,
-            derived=Layout(),
-            initialise=kernel.initialise,
-            step=kernel.step,
-            solvers=kernel.solvers[:1],
-        )
+        assembled(solvers=kernel.solvers[:1])
     with pytest.raises(ValueError, match=r"given twice \['qp_spread'\]"):
-        sampled_kernel(
-            interface,
-            states=states,
-            derived=Layout(),
-            initialise=kernel.initialise,
-            step=kernel.step,
-            solvers=[*kernel.solvers, kernel.solvers[0]],
-        )
+        assembled(solvers=[*kernel.solvers, kernel.solvers[0]])
