@@ -1,0 +1,175 @@
+"""How well followers keep their places: errors, changes of formation, effort, distances; true states, SI units.
+
+`leaders` says who follows whom: {2: 1, 3: 2} is a chain of three cars. The error of a follower is that of its hand
+point, which is what is controlled, in its own axes, actual minus desired:
+
+    z = R(psi_i)^T (p_i - p_L - R(psi_L) r),   p_i = O1_i + a (cos psi_i, sin psi_i),   r = offset + (a, 0)
+
+p_L and psi_L are the leader's true pose now, not what the radio last said; the offset is the one wanted now, as the
+follower gives it. With a = 0 it is the error of O1, which in a bend is not zero for a follower without error.
+Errors are taken at the instants at which the follower computed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from cosim.results import Results
+from cosim.scenarios._tracking_metrics import peak, rms
+from cosim.slave import Vector
+
+HAND = 6.0
+"""Start value of the followers' `hand.distance` [m]."""
+SETTLED = 0.3
+"""A change of formation is over when the hand point stays this near [m] to its new place (engineering choice)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Errors:
+    """Of one follower at its instants: z (n, 2) [m] of the hand point, of O1, and `place`, that of the hand point to
+    the place commanded, which a change of formation moves at once."""
+
+    time: Vector
+    hand: Vector
+    position: Vector
+    place: Vector
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """One change of formation: `settling` [s], NaN if the place was not reached before the next change or the end, and
+    the largest error [m] until then."""
+
+    begin: float
+    settling: float
+    error: float
+
+
+def formation_metrics(
+    results: Results, leaders: Mapping[int, int], hand: float = HAND, headway: float = 0.0, begin: float = 0.0
+) -> dict[str, float]:
+    """Metrics per follower, `car2.formation_error_rms`, and the worst of all without a car's name; from `begin` [s] on.
+
+    NaN where there is nothing to measure: no follower, no change of formation.
+    """
+    of_car = {car: _of_follower(results, car, leaders[car], hand, headway, begin) for car in sorted(leaders)}
+    names = next(iter(of_car.values()), dict.fromkeys(_NAMES, math.nan))
+    worst = {name: _worst([metrics[name] for metrics in of_car.values()]) for name in names}
+    singles = {f"car{car}.{name}": value for car, metrics in of_car.items() for name, value in metrics.items()}
+    return {**worst, **singles}
+
+
+_NAMES = (
+    *("formation_error_rms", "formation_error_max", "position_error_rms", "position_error_max"),
+    *("settling_time", "change_error_max", "acceleration_rms", "lateral_acceleration_rms"),
+)
+
+
+def _of_follower(
+    results: Results, car: int, leader: int, hand: float, headway: float, begin: float
+) -> dict[str, float]:
+    e = follower_errors(results, car, leader, hand, headway)
+    late = e.time >= begin
+    controlled, position = (np.linalg.norm(z[late], axis=1) for z in (e.hand, e.position))
+    changes = [c for c in formation_changes(e, commanded(results, car)) if c.begin >= begin]
+    values = (
+        *(rms(controlled), peak(controlled), rms(position), peak(position)),
+        *(_worst([c.settling for c in changes], unknown=True), _worst([c.error for c in changes])),
+        *(rms(values[late]) for values in efforts(results, car)),
+    )
+    return dict(zip(_NAMES, values, strict=True))
+
+
+def follower_errors(results: Results, car: int, leader: int, hand: float = HAND, headway: float = 0.0) -> Errors:
+    """The errors of `car`, which follows `leader`; `headway` [s] is what its offset grows by with its own speed."""
+    rows = results.instants(f"car{car}.follower")
+    own, ahead = pose(results, car, rows), pose(results, leader, rows)
+    wanted = offsets(results, car)
+    place = commanded(results, car)
+    place = wanted if place is None else place - headway * np.stack((_speed(results, car, rows), 0 * rows), -1)
+    return Errors(
+        time=results.time[rows],
+        hand=error(own, ahead, wanted, hand),
+        position=error(own, ahead, wanted, 0.0),
+        place=error(own, ahead, place, hand),
+    )
+
+
+def error(own: Vector, leader: Vector, offset: Vector, hand: float) -> Vector:
+    """z (n, 2) of poses x, y, yaw (n, 3) and offsets (n, 2) [m]; `hand` is the distance a."""
+    point = own[:, :2] + hand * _direction(own[:, 2])
+    r = offset + np.array([hand, 0.0])
+    return _turned(point - leader[:, :2] - _turned(r, leader[:, 2]), -own[:, 2])
+
+
+def pose(results: Results, car: int, rows: np.ndarray) -> Vector:
+    """x, y, yaw (n, 3) of the car's O1."""
+    return np.stack([results[f"car{car}.plant.{name}"][rows] for name in ("position.x", "position.y", "yaw")], -1)
+
+
+def offsets(results: Results, car: int) -> Vector:
+    """The offsets (n, 2) [m] wanted at the follower's instants, moving smoothly during a change."""
+    return np.stack([results.samples(f"car{car}.follower", f"offset.{axis}") for axis in "xy"], -1)
+
+
+def commanded(results: Results, car: int) -> Vector | None:
+    """The offsets (n, 2) [m] commanded, which jump; None if they do not change during the run and are not recorded."""
+    names = [f"car{car}.follower.formation.{axis}" for axis in "xy"]
+    if not any(name in results for name in names):
+        return None
+    rows = results.instants(f"car{car}.follower")
+    smooth = offsets(results, car)
+    columns = [results[name][rows] if name in results else smooth[:, i] for i, name in enumerate(names)]
+    return np.stack(columns, -1)
+
+
+def formation_changes(e: Errors, command: Vector | None, settled: float = SETTLED) -> list[Change]:
+    """The changes of formation that `command` (n, 2) makes, each up to the next."""
+    if command is None:
+        return []
+    jumps = np.flatnonzero(np.any(np.diff(command, axis=0) != 0.0, axis=1)) + 1
+    ends = [*jumps[1:], len(e.time)]
+    far, size = np.linalg.norm(e.place, axis=1), np.linalg.norm(e.hand, axis=1)
+    return [
+        Change(float(e.time[i]), settling(e.time[i:j], far[i:j], settled), peak(size[i:j]))
+        for i, j in zip(jumps, ends, strict=True)
+    ]
+
+
+def settling(time: Vector, error: Vector, threshold: float) -> float:
+    """Time [s] from the first row until the error stays below the threshold; NaN if it is above it at the end."""
+    above = np.flatnonzero(np.abs(error) >= threshold)
+    if not len(above):
+        return 0.0
+    return float(time[above[-1] + 1] - time[0]) if above[-1] + 1 < len(time) else math.nan
+
+
+def efforts(results: Results, car: int) -> tuple[Vector, Vector]:
+    """The acceleration commanded and the lateral acceleration v omega of the car (n,) [m/s2], at its instants."""
+    rows = results.instants(f"car{car}.follower")
+    lateral = _speed(results, car, rows) * results[f"car{car}.plant.angular_rate.z"][rows]
+    return results.samples(f"car{car}.follower", "command.acceleration"), lateral
+
+
+def _speed(results: Results, car: int, rows: np.ndarray) -> Vector:
+    return np.asarray(results[f"car{car}.plant.velocity.x"][rows])
+
+
+def _direction(yaw: Vector) -> Vector:
+    return np.stack((np.cos(yaw), np.sin(yaw)), -1)
+
+
+def _turned(vectors: Vector, angle: Vector) -> Vector:
+    c, s = np.cos(angle), np.sin(angle)
+    x, y = vectors[:, 0], vectors[:, 1]
+    return np.stack((c * x - s * y, s * x + c * y), -1)
+
+
+def _worst(values: list[float], *, unknown: bool = False) -> float:
+    """The largest; with `unknown` NaN as soon as one is NaN, else NaN only if there is no other."""
+    known = [value for value in values if not math.isnan(value)]
+    return math.nan if not known or (unknown and len(known) < len(values)) else max(known)

@@ -1,0 +1,101 @@
+"""Whether what disturbs one car grows from follower to follower: ratios over a run and amplification by frequency.
+
+Cars stand in a row: car k is held against car k - 1, whoever it follows (under a star topology all follow car 1, and
+the ratios say how alike they respond). z is the error of the hand point at the follower's instants.
+
+    gamma_k = max|z_k| / max|z_{k-1}|,   the same of root mean squares;   k = 3 ... N, as car 1 follows nobody
+    |Gamma_k(j omega)| = |Z_k(j omega)| / |Z_{k-1}(j omega)|
+
+A ratio of errors that are sensor noise means nothing: it is NaN unless the error ahead exceeds `FLOOR`.
+
+Gamma is the quotient of Fourier coefficients at the lines of a multi-sine, over whole periods after the start has died
+out. The signal is periodic and all lines fit the window, so there is no leakage and no window function, and a
+coefficient has no bias from averaging: for such a signal this is better than a cross-spectral estimate. Lines that were
+not excited carry noise and distortion only; a line counts where the car ahead is `CLEAR` times above them. With the
+coherence that a cross-spectral estimate would show, snr^2/(1 + snr^2), this is a coherence above 0.99.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from cosim.slave import Vector
+
+FLOOR = 0.1
+"""Largest longitudinal error [m] of the car ahead from which on a ratio means something: an RTK receiver and the filter
+leave a few centimetres."""
+CLEAR = 10.0
+
+
+def ratio_metrics(errors: Mapping[int, Vector], floor: float = FLOOR) -> dict[str, float]:
+    """`car3.string_ratio_max`, `_rms` of the longitudinal error, `_norm_max`, `_norm_rms` of |z|, and the worst of all.
+
+    `errors` are z (n, 2) [m] by car, without a car that follows nobody.
+    """
+    metrics: dict[str, float] = {}
+    for car in sorted(errors):
+        if car - 1 in errors:
+            ahead, own = errors[car - 1], errors[car]
+            ratios = {
+                "string_ratio": ratio(own[:, 0], ahead[:, 0], floor),
+                "string_ratio_norm": ratio(np.linalg.norm(own, axis=1), np.linalg.norm(ahead, axis=1), floor),
+            }
+            for name, (greatest, mean) in ratios.items():
+                metrics |= {f"car{car}.{name}_max": greatest, f"car{car}.{name}_rms": mean}
+    return {**_worst(metrics), **metrics}
+
+
+def ratio(own: Vector, ahead: Vector, floor: float = FLOOR) -> tuple[float, float]:
+    """max|own|/max|ahead| and the quotient of the root mean squares; NaN when `ahead` never exceeds `floor` [m]."""
+    if not len(ahead) or np.max(np.abs(ahead)) <= floor:
+        return math.nan, math.nan
+    greatest = np.max(np.abs(own)) / np.max(np.abs(ahead))
+    return float(greatest), float(np.sqrt(np.mean(own**2) / np.mean(ahead**2)))
+
+
+def gain_metrics(
+    errors: Mapping[int, Vector], speeds: Mapping[int, Vector], lines: Sequence[int], periods: int
+) -> dict[str, float]:
+    """`car3.string_gain_max` of longitudinal errors and `car2.speed_gain_max` of speeds, and the worst of all.
+
+    `errors` (n,) [m], `speeds` (n,) [m/s] by car over `periods` whole periods of the excitation; `lines` as `gains`.
+    """
+    metrics: dict[str, float] = {}
+    for name, signals in (("string_gain_max", errors), ("speed_gain_max", speeds)):
+        for car in sorted(signals):
+            if car - 1 in signals:
+                found = gains(signals[car], signals[car - 1], lines, periods)
+                metrics[f"car{car}.{name}"] = float(np.nanmax(found)) if np.isfinite(found).any() else math.nan
+    return {**_worst(metrics), **metrics}
+
+
+def gains(own: Vector, ahead: Vector, lines: Sequence[int], periods: int, clear: float = CLEAR) -> Vector:
+    """|Gamma| at each line (n,), NaN where `ahead` is not `clear` times above what was not excited near it.
+
+    `own`, `ahead` (n,) are evenly sampled over `periods` periods; `lines` are the excited multiples of the period's
+    frequency. Not every multiple may be excited, unless there are several periods.
+    """
+    numerator, denominator = (np.fft.rfft(signal - np.mean(signal)) for signal in (own, ahead))
+    bins = periods * np.asarray(lines)
+    noise = _noise(np.abs(denominator), bins)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found = np.abs(numerator[bins]) / np.abs(denominator[bins])
+    return np.where(np.abs(denominator[bins]) > clear * noise, found, np.nan)
+
+
+def _noise(spectrum: Vector, bins: Vector, near: int = 6) -> Vector:
+    """Root mean square of the `near` bins closest to each of `bins` that were not excited; the mean is left out."""
+    free = np.setdiff1d(np.arange(1, len(spectrum)), bins)
+    nearest = np.argsort(np.abs(free - bins[:, None]), axis=1, kind="stable")[:, :near]
+    return np.asarray(np.sqrt(np.mean(spectrum[free[nearest]] ** 2, axis=1)))
+
+
+def _worst(metrics: Mapping[str, float]) -> dict[str, float]:
+    """The largest of each metric over the cars, NaN where no car has one."""
+    by_name: dict[str, list[float]] = {}
+    for name, value in metrics.items():
+        by_name.setdefault(name.partition(".")[2], []).append(value)
+    return {name: max((v for v in values if not math.isnan(v)), default=math.nan) for name, values in by_name.items()}
