@@ -1,0 +1,62 @@
+"""The wanted place in the formation, changed smoothly: a quintic from the present (r, r', r'') to a new place at rest.
+
+r and its first two derivatives are continuous (C2) at all times, also when a new target arrives on the way, and the
+end is reached exactly after `duration`. A target that moves at every sample is followed too: a quintic begun anew
+without end is the filter r''' = (60 (target - r) - 36 T r' - 9 T^2 r'')/T^3, whose poles are stable.
+"""
+
+from __future__ import annotations
+
+from typing import TypeVar
+
+import casadi as ca
+
+from fmukit.kernel import Layout
+
+Symbol = TypeVar("Symbol", ca.SX, ca.MX, ca.DM)
+
+STATES = Layout(begin=2, begin_rate=2, begin_acceleration=2, target=2, elapsed=1, duration=1)
+"""Where the course began [m, m/s, m/s2], where it ends [m], and how long ago it began of how long it lasts [s]."""
+
+
+def start(target: Symbol) -> Symbol:
+    """The state (10) of a vehicle that is wanted at `target` [m] (2), and has been."""
+    still = ca.DM.zeros(2)
+    return ca.vertcat(target, still, still, target, 1.0, 1.0)
+
+
+def advance(state: Symbol, target: Symbol, T: Symbol | float, duration: Symbol | float) -> Symbol:
+    """The state one period T [s] later; a target (2) other than that of the state begins a new course now."""
+    s = STATES.split(state)
+    r, rate, acceleration = value(state)
+    anew = ca.logic_or(target[0] != s["target"][0], target[1] != s["target"][1])
+    begun = {
+        "begin": r,
+        "begin_rate": rate,
+        "begin_acceleration": acceleration,
+        "target": target,
+        "elapsed": ca.DM(0),
+        "duration": duration,
+    }
+    now = {name: ca.if_else(anew, begun[name], s[name]) for name in STATES.sizes}
+    return STATES.join(now | {"elapsed": ca.fmin(now["elapsed"] + T, now["duration"])})
+
+
+def value(state: Symbol) -> tuple[Symbol, Symbol, Symbol]:
+    """(r, r', r'') [m, m/s, m/s2] (2 each) now: of the quintic, or of its end, exactly, when that is reached."""
+    s = STATES.split(state)
+    T, there = s["duration"], s["elapsed"] >= s["duration"]
+    tau = s["elapsed"] / T
+    v0, a0 = T * s["begin_rate"], T**2 * s["begin_acceleration"]
+    way = s["target"] - s["begin"]
+    c3 = 10 * way - 6 * v0 - 1.5 * a0
+    c4 = -15 * way + 8 * v0 + 1.5 * a0
+    c5 = 6 * way - 3 * v0 - 0.5 * a0
+    r = s["begin"] + tau * (v0 + tau * (0.5 * a0 + tau * (c3 + tau * (c4 + tau * c5))))
+    rate = v0 + tau * (a0 + tau * (3 * c3 + tau * (4 * c4 + tau * 5 * c5)))
+    acceleration = a0 + tau * (6 * c3 + tau * (12 * c4 + tau * 20 * c5))
+    return (
+        ca.if_else(there, s["target"], r),
+        ca.if_else(there, 0.0, rate / T),
+        ca.if_else(there, 0.0, acceleration / T**2),
+    )

@@ -1,0 +1,81 @@
+"""The smooth change of the wanted place, against the quintic that SciPy finds from its six end conditions."""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+import pytest
+from scipy.interpolate import BPoly
+
+from fmus.controllers.formation import offset
+
+T, DURATION = 0.02, 6.0
+
+
+def _step() -> ca.Function:
+    state, target, duration = ca.SX.sym("x", offset.STATES.size), ca.SX.sym("target", 2), ca.SX.sym("duration")
+    later = offset.advance(state, target, T, duration)
+    return ca.Function("advance", [state, target, duration], [later, ca.horzcat(*offset.value(later))])
+
+
+STEP = _step()
+
+
+def _run(targets: list[tuple[float, float]], start: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
+    """(steps, 2, 3): r, r', r'' after every step."""
+    state, rows = ca.DM(offset.start(ca.DM(start))), []
+    for target in targets:
+        state, seen = STEP(state, target, DURATION)
+        rows.append(np.array(seen))
+    return np.array(rows)
+
+
+def test_course_is_the_quintic_of_its_six_end_conditions_and_ends_exactly() -> None:
+    rows = _run([(-12.0, 4.0)] * 350)
+    times = T * np.arange(1, 351)
+    for axis, end in enumerate((-12.0, 4.0)):
+        quintic = BPoly.from_derivatives([0.0, DURATION], [[0.0, 0.0, 0.0], [end, 0.0, 0.0]])
+        inside = times < DURATION - 1e-9
+        for order in range(3):
+            assert rows[inside, axis, order] == pytest.approx(quintic(times[inside], nu=order), abs=1e-10)
+    assert rows[-1].tolist() == [[-12.0, 0.0, 0.0], [4.0, 0.0, 0.0]]
+
+
+def test_a_new_target_on_the_way_goes_on_from_the_present_motion() -> None:
+    rows = _run([(-12.0, 4.0)] * 130 + [(8.0, -4.0)] * 320)
+    times = T * np.arange(1, 451)
+    there = rows[129]
+    for axis, end in enumerate((8.0, -4.0)):
+        quintic = BPoly.from_derivatives([times[129], times[129] + DURATION], [there[axis], [end, 0.0, 0.0]])
+        new = (times > times[129]) & (times < times[129] + DURATION - 1e-9)
+        for order in range(3):
+            assert rows[new, axis, order] == pytest.approx(quintic(times[new], nu=order), abs=1e-9)
+    assert rows[-1].tolist() == [[8.0, 0.0, 0.0], [-4.0, 0.0, 0.0]]
+
+
+def test_position_speed_and_acceleration_are_continuous() -> None:
+    rows = _run([(-12.0, 4.0)] * 130 + [(8.0, -4.0)] * 100 + [(0.0, 0.0)] * 400)
+    largest = np.abs(np.diff(rows, axis=0)).max(axis=(0, 1))
+    jerk = 60 * 30.0 / DURATION**3 + 36 * 8.0 / DURATION**2 + 9 * 5.0 / DURATION  # bound: way 30 m, 8 m/s, 5 m/s2
+    assert largest[2] < jerk * T
+    assert rows[:, :, 1] == pytest.approx(np.gradient(rows[:, :, 0], T, axis=0), abs=jerk * T)
+    assert np.trapezoid(rows[:, 0, 2], dx=T) == pytest.approx(rows[-1, 0, 1] - rows[0, 0, 1], abs=1e-2)
+
+
+def test_a_target_that_never_rests_is_followed_by_the_stable_filter() -> None:
+    targets = [(np.sin(0.3 * T * k), 1.0 + 1e-9 * k) for k in range(3000)]
+    rows = _run(targets)
+    system = [60.0 / DURATION**3, 36.0 / DURATION**2, 9.0 / DURATION]
+    r, lag = np.zeros(3), []
+    for target, _ in targets:
+        for _ in range(20):
+            third = system[0] * (target - r[0]) - system[1] * r[1] - system[2] * r[2]
+            r = r + T / 20 * np.array([r[1], r[2], third])
+        lag.append(r[0])
+    assert rows[:, 0, 0] == pytest.approx(np.array(lag), abs=0.01)
+    assert np.roots([1.0, *system[::-1]]).real.max() < 0.0
+
+
+def test_an_unchanged_target_is_rest() -> None:
+    rows = _run([(-12.0, 4.0)] * 10, start=(-12.0, 4.0))
+    assert rows.tolist() == [[[-12.0, 0.0, 0.0], [4.0, 0.0, 0.0]]] * 10
