@@ -39,13 +39,17 @@ class Setting:
 
 @dataclass(frozen=True, slots=True)
 class NumberSetting:
-    """One number a scenario offers as `--set scenario.NAME=...`, within limits that are part of the range."""
+    """One number a scenario offers as `--set scenario.NAME=...`, within limits that are part of the range.
+
+    `whole` numbers only: a count.
+    """
 
     default: float
     minimum: float
     maximum: float
     unit: str
     description: str
+    whole: bool = False
 
     @property
     def offered(self) -> str:
@@ -62,6 +66,8 @@ class NumberSetting:
             raise CosimError(f"{PREFIX}{name} = {text!r} is not a finite number; give one in {self.offered}")
         if not self.minimum <= number <= self.maximum:
             raise CosimError(f"{PREFIX}{name} = {number:g}{self._unit} is outside its range {self.offered}")
+        if self.whole and number != round(number):
+            raise CosimError(f"{PREFIX}{name} = {text!r} is not a whole number; give one in {self.offered}")
         return number
 
     @property
