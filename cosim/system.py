@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
 
 from cosim.errors import CosimError, unknown
 from cosim.face import Value
@@ -79,9 +80,13 @@ class System:
         self.wires.append(Wire(source, target, dict(names if names is not None else {"": ""})))
 
     def set(self, assignment: str, value: Value) -> None:
-        """Set `instance.variable` (instance names may contain dots) to a value, possibly still in text form."""
-        instance, variable = self.split(assignment)
-        self.instances[instance].parameters[variable] = value
+        """Set `instance.variable` (instance names may contain dots) to a value, possibly still in text form.
+
+        Where no instance has that name, * and ? in it stand for characters between two dots, and all that fit are set.
+        """
+        pattern = not self._named(assignment) and bool({"*", "?"} & set(assignment))
+        for instance, variable in self._fitting(assignment) if pattern else [self.split(assignment)]:
+            self.instances[instance].parameters[variable] = value
 
     def at(self, time: float, signal: str, value: Value) -> None:
         """From `time` [s] on the unconnected input `instance.variable` holds `value`, until an event sets it again.
@@ -96,11 +101,30 @@ class System:
 
     def split(self, signal: str) -> tuple[str, str]:
         """(instance, variable) of `instance.variable`, with the longest instance name that fits."""
-        fitting = [name for name in self.instances if signal.startswith(name + ".")]
+        fitting = self._named(signal)
         if not fitting:
             raise unknown("instance", signal.partition(".")[0], self.instances)
         instance = max(fitting, key=len)
         return instance, signal[len(instance) + 1 :]
+
+    def _named(self, signal: str) -> list[str]:
+        return [name for name in self.instances if signal.startswith(name + ".")]
+
+    def _fitting(self, pattern: str) -> list[tuple[str, str]]:
+        """(instance, variable) of all instances whose name fits the beginning of `pattern`, the longest names."""
+        parts = pattern.split(".")
+        found: dict[int, list[tuple[str, str]]] = {}
+        for name in self.instances:
+            own = name.split(".")
+            head, variable = parts[: len(own)], ".".join(parts[len(own) :])
+            if variable and all(fnmatchcase(part, wanted) for part, wanted in zip(own, head, strict=True)):
+                found.setdefault(len(own), []).append((name, variable))
+        if not found:
+            raise CosimError(
+                f"no instance fits the pattern {pattern!r}; * and ? stand for characters between two dots, "
+                "as in car*.llc.filter.speed, and `--explain` lists the instances"
+            )
+        return found[max(found)]
 
 
 def parse_assignments(texts: Iterable[str]) -> list[tuple[str, str]]:

@@ -137,3 +137,43 @@ def test_conversion_of_angles_and_temperatures():
 def test_unreadable_assignments(text):
     with pytest.raises(CosimError, match=r"write --set instance\.variable=value"):
         parse_assignments([text])
+
+
+def cars(*names):
+    system = System()
+    for name in names:
+        system.add(name, "Mock")
+    return system
+
+
+def values(system, variable):
+    return {n: i.parameters[variable] for n, i in system.instances.items() if variable in i.parameters}
+
+
+def test_a_pattern_sets_every_instance_it_fits():
+    system = cars("car1.llc", "car2.llc", "car2.plant", "car10.llc", "car1")
+    system.set("car*.llc.filter.speed", 40)
+    assert values(system, "filter.speed") == {"car1.llc": 40, "car2.llc": 40, "car10.llc": 40}
+    system.set("car?.llc.gain", 1)
+    assert values(system, "gain") == {"car1.llc": 1, "car2.llc": 1}
+    system.set("car2.*.gain", 2)
+    assert values(system, "gain") == {"car1.llc": 1, "car2.llc": 2, "car2.plant": 2}
+
+
+def test_the_later_of_a_pattern_and_a_name_counts():
+    system = cars("car1.llc", "car2.llc")
+    system.set("car*.llc.gain", 1)
+    system.set("car2.llc.gain", 2)
+    assert values(system, "gain") == {"car1.llc": 1, "car2.llc": 2}
+
+
+def test_a_name_is_no_pattern():
+    system = cars("tank", "rank")
+    system.set("tank.level*", 1)
+    assert values(system, "level*") == {"tank": 1}
+
+
+@pytest.mark.parametrize("pattern", ["bus*.llc.gain", "car*.llc", "car*.llc.speed", "*"])
+def test_a_pattern_that_fits_nothing_is_said(pattern):
+    with pytest.raises(CosimError, match=r"no instance fits the pattern .* as in car\*\.llc\.filter\.speed"):
+        cars("car1.plant.wheel", "car1.llc.left").set(pattern, 1)
