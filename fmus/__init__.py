@@ -1,10 +1,10 @@
 """The components, and nothing else. `CATALOGUE` is the one list of all FMUs; build, checks, docs and tests use it."""
 
 from fmukit.component import Component
-from fmus import double_track, estimator, vehicle16dof
+from fmus import double_track, estimator, unicycle, vehicle16dof
 from fmus.controllers import high_level_lqr, low_level_pid, mpc_allocator, reference
 from fmus.planner import receding
-from fmus.sensors import gps, imu
+from fmus.sensors import gps, imu, radio
 
 CATALOGUE: tuple[Component, ...] = (
     vehicle16dof.COMPONENT,
@@ -17,4 +17,6 @@ CATALOGUE: tuple[Component, ...] = (
     double_track.COMPONENT,
     mpc_allocator.COMPONENT,
     receding.COMPONENT,
+    radio.COMPONENT,
+    unicycle.COMPONENT,
 )

@@ -101,6 +101,19 @@ def _gps(t: float) -> Values:
     }
 
 
+def _radio(t: float) -> Values:
+    x, y, yaw = _place(t)
+    return {
+        **_group("message.position", AXES[:2], x, y),
+        **_group("message.velocity", AXES[:2], SPEED, 0.1),
+        **_group("message", ("yaw", "yaw_rate"), yaw, RATE),
+    }
+
+
+def _unicycle(t: float) -> Values:
+    return {**_group("command", ("speed", "yaw_rate"), SPEED, RATE), "body_force.x": 500.0, "body_moment.z": 200.0}
+
+
 def _filter(t: float) -> Values:
     return {
         **_group("accelerometer", AXES, 0.0, SPEED * RATE, GRAVITY),
@@ -186,6 +199,15 @@ _REGIMES = {
     ),
     "Imu": Regime(0.2, {"accelerometer.y": 2.0, "gyroscope.z": 0.1}, _imu),
     "GpsReceiver": Regime(0.5, {"gps.fix_count": 3.0, "gps.valid": 0.5, "gps.time": 0.2, "gps.heading": 0.01}, _gps),
+    "Radio": Regime(
+        0.5, {"leader.count": 3.0, "leader.valid": 0.5, "leader.position.x": 5.0, "leader.yaw_rate": 0.1}, _radio
+    ),
+    "Unicycle": Regime(
+        0.1,
+        {"velocity.x": 20.0, "angular_rate.z": 0.03, "acceleration.y": 0.5, "position.x": 1.0},
+        _unicycle,
+        {"initial.speed": SPEED},
+    ),
     "NavigationFilter": Regime(
         0.4, {"fix.used_count": 2.0, "nis.position": 1e-6, "nis.heading": 1e-6}, _filter, {"initial.speed": SPEED}
     ),
