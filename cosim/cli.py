@@ -93,6 +93,9 @@ def run(
             "--at", metavar="S:instance.input=value", help="Set an unconnected input during the run, from S [s] on."
         ),
     ] = None,
+    record_every: Annotated[
+        float | None, typer.Option(metavar="S", help="Time between two recorded rows [s]; 0 records at every tick.")
+    ] = None,
     explain: Annotated[bool, typer.Option("--explain", help="Print order, periods, edges and conversions.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON and nothing else.")] = False,
@@ -109,7 +112,7 @@ def run(
     scenario = scenarios.load(name)
     target = folder if folder is not None else Path("results") / name
     values, changes = parse_assignments(assignments or []), parse_events(events or [])
-    request = Request(scenario, target, values, seed, stop_time, scheme, step, changes)
+    request = Request(scenario, target, values, seed, stop_time, scheme, step, changes, record_every)
     stop = stop_time if stop_time is not None else scenario.stop_time
     explainer = display.explainer(to_stderr=as_json or quiet) if explain else display.silent
     with display.progress(stop, shown=not (quiet or as_json)) as progress:

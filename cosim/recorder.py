@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import os
 import re
 from collections.abc import Iterable, Sequence
+from ctypes import c_double
 from pathlib import Path
 from time import monotonic
 from typing import Any
@@ -12,12 +14,12 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
+from cosim.clock import SECOND, to_seconds
 from cosim.master import Signal
 from cosim.slave import Vector
+from cosim.storage import PARQUET, STREAM, write_parquet
 
-STREAM = "results.arrows"
-PARQUET = "results.parquet"
-_ROWS = 512
+_ROWS, _VALUES = 512, 1 << 18  # in a chunk, at most
 _PATIENCE = 0.5  # [s] of wall time
 _ARRAY = re.compile(r"\[\d+]")
 
@@ -28,15 +30,26 @@ def recorded(signals: Iterable[Signal]) -> list[int]:
 
 
 class Recorder:
-    """Call it once per row. `vector` is [time, signals...]; `chosen` are positions in `signals`; `folder` exists.
+    """Call it once per tick. `vector` is [time, signals...]; `chosen` are positions in `signals`; `folder` exists.
 
+    With `every` [ns] only the first call at or after each multiple of it makes a row, and the one at `stop` [ns].
     Rows are gathered in a chunk and appended to the stream whenever it is full.
     """
 
-    def __init__(self, folder: Path, vector: Vector, signals: Sequence[Signal], chosen: Sequence[int]) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        vector: Vector,
+        signals: Sequence[Signal],
+        chosen: Sequence[int],
+        every: int = 0,
+        stop: int | None = None,
+    ) -> None:
         self._folder = folder
+        self._every, self._stop = every, stop
+        self._clock, self._next = c_double.from_buffer(vector.data), -math.inf
         self._index = np.array([0, *(1 + i for i in chosen)])
-        self._chunk = np.zeros((_ROWS, len(self._index)))
+        self._chunk = np.zeros((min(_ROWS, 1 + _VALUES // len(self._index)), len(self._index)))
         self._rows = list(self._chunk)
         self._columns = np.zeros(self._chunk.T.shape)
         schema = _schema([signals[i] for i in chosen])
@@ -49,10 +62,20 @@ class Recorder:
         self.flush()  # an empty chunk writes the schema, so that the stream can be read from now on
 
     def __call__(self) -> None:
+        if self._clock.value < self._next:
+            return
         self._take(self._index, None, self._rows[self._filled], "clip")
         self._filled += 1
-        if self._filled == _ROWS:
+        if self._every:
+            self._next = self._due()
+        if self._filled == len(self._rows):
             self.flush()
+
+    def _due(self) -> float:
+        """When the next row is due [s]."""
+        now = round(self._clock.value * SECOND)
+        later = (now // self._every + 1) * self._every
+        return to_seconds(later if self._stop is None else min(later, self._stop))
 
     def flush(self) -> None:
         """Append the rows gathered so far to the stream and hand them to the operating system.
@@ -88,33 +111,8 @@ class Recorder:
         finally:
             self._sink.close()
             stream = self._folder / STREAM
-            write_parquet(read_stream(stream), self._folder / PARQUET)
+            write_parquet(stream, self._folder / PARQUET)
             stream.unlink()
-
-
-def read_stream(path: Path) -> Any:
-    """The table of a stream file, up to its last complete chunk if the run was killed."""
-    batches = []
-    with path.open("rb") as source:
-        reader = pa.ipc.open_stream(source)
-        while True:
-            try:
-                batches.append(reader.read_next_batch())
-            except (StopIteration, pa.ArrowInvalid, OSError):
-                return pa.Table.from_batches(batches, reader.schema)
-
-
-def write_parquet(table: Any, path: Path) -> None:
-    """Write an Arrow table to `path`, which then is whole: on OSError no file is left."""
-    from pyarrow import parquet  # noqa: PLC0415  (slow to import, and needed only when the run is over)
-
-    partial = path.with_suffix(".partial")
-    try:
-        parquet.write_table(table, partial, compression="zstd", use_dictionary=False)
-    except OSError:
-        partial.unlink(missing_ok=True)
-        raise
-    partial.replace(path)
 
 
 def _schema(signals: Sequence[Signal]) -> Any:

@@ -1,4 +1,7 @@
-"""Reading the results of a run: columns as numpy arrays, units, and the rows at which an instance computed."""
+"""Reading the results of a run: columns as numpy arrays, units, and the rows at which an instance computed.
+
+Of a Parquet file the columns are read when they are asked for, so that many vehicles need not fit into memory.
+"""
 
 from __future__ import annotations
 
@@ -10,8 +13,8 @@ import numpy as np
 
 from cosim.clock import SECOND
 from cosim.errors import CosimError, unknown
-from cosim.recorder import PARQUET, STREAM, read_stream
 from cosim.slave import Vector
+from cosim.storage import PARQUET, STREAM, read_stream
 
 
 class Results:
@@ -24,11 +27,12 @@ class Results:
         self._table = table
         self.periods = dict(periods)
         self.settings = dict(settings or {})
-        self.names = [name for name in table.column_names if name != "time"]
+        self.names = [name for name in table.schema.names if name != "time"]
+        self._known = frozenset(table.schema.names)
         self.time = table.column("time").to_numpy()
 
     def __contains__(self, name: str) -> bool:
-        return name in self._table.column_names
+        return name in self._known
 
     def __getitem__(self, name: str) -> Vector:
         if name not in self:
@@ -41,7 +45,7 @@ class Results:
         return str(metadata.get(b"unit", b"").decode())
 
     def instants(self, instance: str) -> np.ndarray:
-        """The rows at which `instance` computed.
+        """The recorded rows at which `instance` computed.
 
         The last row is left out: at the stop time the plants have arrived, but no sampled instance has run.
         """
@@ -55,12 +59,23 @@ class Results:
         return np.asarray(self[f"{instance}.{name}"][self.instants(instance)])
 
 
+class _Columns:
+    """What `Results` needs of an Arrow table, out of an open Parquet file."""
+
+    def __init__(self, path: Path) -> None:
+        from pyarrow import parquet  # noqa: PLC0415  (slow to import)
+
+        self._file = parquet.ParquetFile(path)
+        self.schema = self._file.schema_arrow
+
+    def column(self, name: str) -> Any:
+        return self._file.read(columns=[name], use_threads=False).column(name)
+
+
 def load_results(folder: Path, periods: Mapping[str, float], settings: Mapping[str, Any] | None = None) -> Results:
     """The results in a run's folder: the Parquet file, or what a killed run left in its stream."""
     if (folder / PARQUET).is_file():
-        from pyarrow import parquet  # noqa: PLC0415  (slow to import)
-
-        return Results(parquet.ParquetFile(folder / PARQUET).read(), periods, settings)
+        return Results(_Columns(folder / PARQUET), periods, settings)
     if (folder / STREAM).is_file():
         return Results(read_stream(folder / STREAM), periods, settings)
     raise CosimError(f"{folder} holds no results")

@@ -16,11 +16,12 @@ from cosim.clock import SECOND, nanoseconds, to_seconds
 from cosim.errors import CosimError, because
 from cosim.loader import Loader
 from cosim.master import Master, Outcome
-from cosim.recorder import PARQUET, STREAM, Recorder, recorded
+from cosim.recorder import Recorder, recorded
 from cosim.results import Results, load_results
 from cosim.scenario import Scenario, chosen, configured
 from cosim.schedule import Schedule, Scheme, schedule
 from cosim.slave import Slave, SlaveError
+from cosim.storage import PARQUET, STREAM
 from cosim.summary import SUMMARY, summarise, write_summary
 from cosim.system import System
 
@@ -32,13 +33,14 @@ Load = Callable[[], Mapping[str, Slave]]
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """What is going to run: shown by --explain. `stop` [ns]."""
+    """What is going to run: shown by --explain. `stop` and `record_every` [ns]; 0 records at every tick."""
 
     scenario: Scenario
     nodes: dict[str, Node]
     schedule: Schedule
     stop: int
     seed: int
+    record_every: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +48,7 @@ class Request:
     """What the user asked for: `assignments` are (instance.variable or scenario.setting, text).
 
     `step` [s], if given, is the communication step of all instances instead of a period for each. `events` are
-    (time [s], instance.variable, text), besides those of the scenario.
+    (time [s], instance.variable, text), besides those of the scenario. `record_every` [s] in place of the scenario's.
     """
 
     scenario: Scenario
@@ -57,12 +59,19 @@ class Request:
     scheme: Scheme = "multirate"
     step: float | None = None
     events: Sequence[tuple[float, str, str]] = ()
+    record_every: float | None = None
 
     @property
     def stop(self) -> int:
         """The end of the run [ns]."""
         seconds = self.scenario.stop_time if self.stop_time is None else self.stop_time
         return nanoseconds(seconds, "the stop time")
+
+    @property
+    def interval(self) -> int:
+        """The time between two recorded rows [ns], 0 for a row at every tick."""
+        seconds = self.scenario.record_every if self.record_every is None else self.record_every
+        return nanoseconds(seconds, "the time between two recorded rows") if seconds else 0
 
 
 def run(
@@ -74,12 +83,12 @@ def run(
 
     A slave that fails or an interrupt end the run with that status; what was recorded until then is kept.
     """
-    scenario, stop = request.scenario, request.stop
+    scenario, stop, interval = request.scenario, request.stop, request.interval
     system = requested(request)
     with Loader(scenario.find) as loader:
         nodes = assemble(system, loader.faces(system), request.seed, request.step)
         in_time(request, nodes)
-        plan = Plan(scenario, nodes, schedule(nodes, request.scheme), stop, request.seed)
+        plan = Plan(scenario, nodes, schedule(nodes, request.scheme), stop, request.seed, interval)
         explain(plan)
         outcome = execute(plan, lambda: loader.slaves(system, nodes), request.folder, progress)
     return _conclude(plan, outcome, request)
@@ -110,7 +119,7 @@ def execute(plan: Plan, load: Load, folder: Path, progress: Progress = lambda _t
     """Load the slaves, initialise and run them, recording into `folder`."""
     with _interrupts() as interrupted:
         master = Master(plan.nodes, plan.schedule, load())
-        recorder = _recorder(folder, master)
+        recorder = _recorder(folder, master, plan)
         try:
             master.initialise()
             outcome = master.run(plan.stop, recorder, partial(_kept, recorder, progress), interrupted)
@@ -123,13 +132,14 @@ def execute(plan: Plan, load: Load, folder: Path, progress: Progress = lambda _t
         return _closed(recorder, outcome)
 
 
-def _recorder(folder: Path, master: Master) -> Recorder:
+def _recorder(folder: Path, master: Master, plan: Plan) -> Recorder:
     """A recorder into a folder that holds nothing of an earlier run."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for name in WRITTEN:
             (folder / name).unlink(missing_ok=True)
-        return Recorder(folder, master.vector, master.signals, recorded(master.signals))
+        chosen_signals = recorded(master.signals)
+        return Recorder(folder, master.vector, master.signals, chosen_signals, plan.record_every, plan.stop)
     except OSError as error:
         raise CosimError(f"cannot write into {error.filename or folder}: {because(error)}") from None
 
@@ -152,7 +162,7 @@ def _conclude(plan: Plan, outcome: Outcome, request: Request) -> tuple[dict[str,
     folder, settings = request.folder, chosen(request.scenario, request.assignments)
     results = load_results(folder, {name: node.period / 1e9 for name, node in plan.nodes.items()}, settings)
     metrics = plan.scenario.metrics(results) if len(results.time) > 1 else {}
-    summary = summarise(plan.scenario.name, plan.seed, outcome, plan.nodes, metrics)
+    summary = summarise(plan.scenario.name, plan.seed, outcome, plan.nodes, metrics, plan.record_every)
     try:
         write_summary(summary, folder)
     except OSError as error:

@@ -80,7 +80,7 @@ class Scenario:
     """`figures` names what of the thesis it reproduces; `find` gives the .fmu file of a catalogue name.
 
     `complete(system, settings)` derives what follows from the user's values once they are set, `draw` makes a picture
-    of the results.
+    of the results. A row is recorded every `record_every` [s]; 0 is at every tick.
     """
 
     name: str
@@ -93,6 +93,7 @@ class Scenario:
     metrics: Callable[[Results], dict[str, float]] = lambda _results: {}
     draw: Callable[[Results, Path, str], None] | None = None
     settings: Mapping[str, Setting | NumberSetting] = field(default_factory=dict)
+    record_every: float = 0.0
 
 
 def chosen(scenario: Scenario, assignments: Sequence[tuple[str, str]]) -> Settings:

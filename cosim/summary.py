@@ -18,9 +18,14 @@ SUMMARY = "summary.json"
 
 
 def summarise(
-    scenario: str, seed: int, outcome: Outcome, nodes: Mapping[str, Node], metrics: Mapping[str, float]
+    scenario: str,
+    seed: int,
+    outcome: Outcome,
+    nodes: Mapping[str, Node],
+    metrics: Mapping[str, float],
+    record_every: int = 0,
 ) -> dict[str, Any]:
-    """The summary as data; `stop_time` is the simulated time reached, times in seconds."""
+    """The summary as data; `stop_time` is the simulated time reached, times in seconds; `record_every` [ns]."""
     wall = outcome.wall / SECOND
     return {
         "scenario": scenario,
@@ -29,6 +34,7 @@ def summarise(
         "stop_time": to_seconds(outcome.time),
         "wall_time": wall,
         "real_time_factor": to_seconds(outcome.time) / wall if wall else 0.0,
+        "record_every": to_seconds(record_every),
         "seed": seed,
         "git": code_version(),
         "instances": {name: _instance(name, node, outcome) for name, node in nodes.items()},

@@ -20,6 +20,7 @@ SUMMARY = {
     "stop_time": float,
     "wall_time": float,
     "real_time_factor": float,
+    "record_every": float,
     "seed": int,
     "git": str,
     "instances": dict,
@@ -84,6 +85,18 @@ def test_a_run_writes_results_and_summary(cosim, tmp_path):
         levels.append(levels[-1] + 0.01 * (3.0 - levels[-1]))
     assert results["first.level"].tolist() == pytest.approx(levels, rel=1e-15)
     assert summary["metrics"] == {"level_last": results["second.level"][-1], "nothing": None, "asked": 0.02}
+
+
+def test_rows_only_every_so_often(cosim, tmp_path):
+    code, _, _ = cosim("run", "tanks", "-o", str(tmp_path), "--record-every", "0.3", "--quiet")
+    assert code == 0
+    assert json.loads((tmp_path / "summary.json").read_text())["record_every"] == 0.3
+    assert load_results(tmp_path, {}).time.tolist() == [0.0, 0.3, 0.6, 0.9, 1.0]
+    code, _, err = cosim("run", "tanks", "-o", str(tmp_path / "no"), "--record-every", "-1")
+    assert (code, err) == (
+        2,
+        "cosim: the time between two recorded rows is -1 s; it must be positive and finite\n",
+    )
 
 
 def test_json_is_all_that_goes_to_stdout(cosim, tmp_path):

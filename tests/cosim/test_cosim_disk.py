@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from cosim_mocks import Mock, face
 
-from cosim import recorder, summary
+from cosim import recorder, storage, summary
 from cosim.assembly import assemble
 from cosim.errors import CosimError, because, unknown
 from cosim.results import load_results
@@ -72,15 +72,15 @@ def test_a_disk_that_fills_up_ends_the_run_and_keeps_whole_chunks(tmp_path):
 
 
 def test_parquet_that_cannot_be_written_leaves_the_stream(tmp_path, monkeypatch):
-    monkeypatch.setattr("pyarrow.parquet.write_table", fail)
+    monkeypatch.setattr("pyarrow.parquet.ParquetWriter.write_table", fail)
     outcome = mocked(tmp_path)
     assert (outcome.status, outcome.reason) == ("failed", "the results cannot be written: No space left on device")
-    assert [path.name for path in tmp_path.iterdir()] == [recorder.STREAM]
+    assert [path.name for path in tmp_path.iterdir()] == [storage.STREAM]
     assert len(load_results(tmp_path, {}).time) == 2001
 
 
 def test_the_slave_that_failed_is_named_even_if_the_disk_is_full_too(tmp_path, monkeypatch):
-    monkeypatch.setattr("pyarrow.parquet.write_table", fail)
+    monkeypatch.setattr("pyarrow.parquet.ParquetWriter.write_table", fail)
     assert mocked(tmp_path, lambda t, h, u: 3).reason.startswith("plant failed at 0 s")
 
 
@@ -97,7 +97,7 @@ def test_a_summary_that_cannot_be_written(tank, tmp_path, monkeypatch):
     assert made["status"] == "failed"
     assert made["reason"] == f"{tmp_path / 'summary.json'} cannot be written: No space left on device"
     assert len(results.time) == 101
-    assert [path.name for path in tmp_path.iterdir()] == [recorder.PARQUET]
+    assert [path.name for path in tmp_path.iterdir()] == [storage.PARQUET]
 
 
 @pytest.mark.parametrize("name", ["summary.json", "overview.png", "results.parquet"])
@@ -116,7 +116,7 @@ def test_a_later_run_never_mixes_with_an_earlier_one(tank, tmp_path, monkeypatch
     monkeypatch.setattr("cosim.run.Master.run", lambda *args: sys.exit(9))  # as if killed while running
     with pytest.raises(SystemExit):
         run(Request(tanks(tank), tmp_path))
-    assert [path.name for path in tmp_path.iterdir()] == [recorder.PARQUET]
+    assert [path.name for path in tmp_path.iterdir()] == [storage.PARQUET]
     assert len(load_results(tmp_path, {}).time) == 0
 
 

@@ -6,11 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pyarrow import parquet
 
 from cosim.errors import CosimError
 from cosim.master import Signal
-from cosim.recorder import PARQUET, STREAM, Recorder, recorded
+from cosim.recorder import Recorder, recorded
 from cosim.results import load_results
+from cosim.storage import PARQUET, STREAM
 
 SIGNALS = [Signal("plant", "y", "m"), Signal("reference", "preview[3].speed", "m/s"), Signal("llc", "u", None)]
 
@@ -33,6 +35,54 @@ def test_rows_units_and_order_survive(tmp_path):
     assert (results.unit("plant.y"), results.unit("llc.u"), results.unit("time")) == ("m", "", "s")
     assert results.instants("llc").tolist() == [0, 500, 1000, 1500, 2000]
     assert not (tmp_path / STREAM).exists()
+
+
+def recorded_times(folder, every, stop, times):
+    """Seconds, all given in ms."""
+    vector = np.zeros(4)
+    recorder = Recorder(folder, vector, SIGNALS, [0], every * 10**6, stop * 10**6)
+    for k in times:
+        vector[0] = k / 1000
+        recorder()
+    recorder.close()
+    return load_results(folder, {"llc": 0.02, "radio": 0.015}).time * 1000
+
+
+def test_rows_every_so_often_and_at_the_end(tmp_path):
+    times = recorded_times(tmp_path, 20, 70, [*range(70), 70])
+    assert times.tolist() == [0.0, 20.0, 40.0, 60.0, 70.0]
+    results = load_results(tmp_path, {"llc": 0.02, "radio": 0.015})
+    assert results.instants("llc").tolist() == [0, 1, 2, 3]
+    assert results.instants("radio").tolist() == [0, 3], "of its instants at 0, 15, 30, 45 and 60 ms two were recorded"
+
+
+def test_a_row_that_no_tick_meets_is_taken_at_the_next(tmp_path):
+    times = recorded_times(tmp_path, 20, 200, [0, 7, 30, 39, 40, 75, 100, 119, 200])
+    assert times.tolist() == [0.0, 30.0, 40.0, 75.0, 100.0, 200.0]
+
+
+def test_more_often_than_there_are_ticks_is_every_tick(tmp_path):
+    assert recorded_times(tmp_path, 1, 9, range(0, 10, 3)).tolist() == [0.0, 3.0, 6.0, 9.0]
+
+
+def test_wide_rows_and_many_row_groups(tmp_path, monkeypatch):
+    """Chunks get shorter as rows get wider; row groups have equally many rows whatever the chunks were."""
+    monkeypatch.setattr("cosim.recorder._VALUES", 4000)
+    monkeypatch.setattr("cosim.storage._GROUP", 50_000)
+    signals = [Signal(f"car{k}", "x", "m") for k in range(999)]
+    vector = np.zeros(1000)
+    recorder = Recorder(tmp_path, vector, signals, recorded(signals))
+    for k in range(123):
+        vector[:] = k + np.arange(1000.0) / 1000.0
+        recorder()
+        if k in (3, 77):
+            recorder.flush()
+    recorder.close()
+    file = parquet.ParquetFile(tmp_path / PARQUET)
+    assert [file.metadata.row_group(i).num_rows for i in range(file.num_row_groups)] == [51, 51, 21]
+    results = load_results(tmp_path, {})
+    assert results["car998.x"] == pytest.approx(np.arange(123.0) + 0.999, rel=1e-15)
+    assert results.names == [signal.name for signal in signals]
 
 
 def test_the_last_row_is_no_sampling_instant(tmp_path):

@@ -1,0 +1,58 @@
+"""The files of results: the Arrow stream of a run, and the Parquet file made from it when the run is over."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+
+STREAM = "results.arrows"
+PARQUET = "results.parquet"
+_GROUP = 1 << 22  # values in a row group of the Parquet file: what is held in memory when it is written
+
+
+def read_stream(path: Path) -> Any:
+    """The table of a stream file, up to its last complete chunk if the run was killed."""
+    with path.open("rb") as source:
+        reader = pa.ipc.open_stream(source)
+        return pa.Table.from_batches(_batches(reader), reader.schema)
+
+
+def _batches(reader: Any) -> Iterator[Any]:
+    while True:
+        try:
+            yield reader.read_next_batch()
+        except (StopIteration, pa.ArrowInvalid, OSError):
+            return
+
+
+def write_parquet(stream: Path, path: Path) -> None:
+    """Write what is in the stream file to `path`, which then is whole: on OSError no file is left."""
+    from pyarrow import parquet  # noqa: PLC0415  (slow to import, and needed only when the run is over)
+
+    partial = path.with_suffix(".partial")
+    try:
+        with stream.open("rb") as source:
+            reader = pa.ipc.open_stream(source)
+            with parquet.ParquetWriter(partial, reader.schema, compression="zstd", use_dictionary=False) as writer:
+                for group in _groups(reader):
+                    writer.write_table(group)
+    except OSError:
+        partial.unlink(missing_ok=True)
+        raise
+    partial.replace(path)
+
+
+def _groups(reader: Any) -> Iterator[Any]:
+    """Tables of equally many rows but for the last, however long the chunks are, which a slow run cuts shorter."""
+    rows = 1 + _GROUP // len(reader.schema)
+    waiting = reader.schema.empty_table()
+    for batch in _batches(reader):
+        waiting = pa.concat_tables([waiting, pa.Table.from_batches([batch])])
+        while len(waiting) >= rows:
+            yield waiting.slice(0, rows).combine_chunks()
+            waiting = waiting.slice(rows)
+    if len(waiting):
+        yield waiting.combine_chunks()
