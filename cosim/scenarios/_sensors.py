@@ -23,8 +23,8 @@ TRUE_STATES = {"estimate.": "", "estimate.yaw_rate": "angular_rate.z"}
 """For `System.connect`: a plant's states in place of an estimate."""
 
 
-def add_sensors(system: System, settings: Settings, car: str = "") -> None:
-    """`imu`, `gps` and `filter`, which knows their profiles, on the `plant` of the car."""
+def add_sensors(system: System, settings: Settings, car: str = "", *, sprung: bool = True) -> None:
+    """`imu`, `gps` and `filter`, which knows their profiles, on the `plant` of the car; planar ones are not `sprung`."""
     from fmus.estimator.profiles import profile as filter_profile  # noqa: PLC0415  (lazy: `cosim list`)
     from fmus.sensors.gps.profiles import profile as gps_profile  # noqa: PLC0415
     from fmus.sensors.imu.profiles import profile as imu_profile  # noqa: PLC0415
@@ -35,7 +35,7 @@ def add_sensors(system: System, settings: Settings, car: str = "") -> None:
     system.add(f"{car}filter", "NavigationFilter", filter_profile(gps, imu))
     system.connect(f"{car}plant", f"{car}imu", {"truth.": ""})
     system.connect(f"{car}plant", f"{car}gps", {"truth.": ""})
-    for source in ("imu", "gps", "plant"):
+    for source in ("imu", "gps", "plant") if sprung else ("imu", "gps"):
         system.connect(f"{car}{source}", f"{car}filter")
 
 
@@ -47,12 +47,15 @@ def feed_back(system: System, settings: Settings, listener: str, rates: Mapping[
 def tell(
     system: System, settings: Settings, listener: str, inputs: str, rates: Mapping[str, str], car: str = ""
 ) -> None:
-    """`listener` gets in its inputs `inputs`* how `car` moves: the filter's estimate, or with the true rates the truth.
+    """`listener` gets in its inputs `inputs`* how `car` moves: what is known of it, of the truth those `rates`."""
+    source, outputs = known(settings, car)
+    true = {} if outputs else {f"{inputs}{rate}": output for rate, output in rates.items()}
+    system.connect(source, listener, {inputs: outputs, **true})
+
+
+def known(settings: Settings, car: str = "") -> tuple[str, str]:
+    """The instance that says how `car` moves, and how its outputs begin: the filter's estimate, or the plant's states.
 
     With feedback=truth the sensors and the filter run along, but nobody listens.
     """
-    if settings["feedback"] == "filter":
-        system.connect(f"{car}filter", listener, {inputs: "estimate."})
-    else:
-        true = {f"{inputs}{name}": output for name, output in rates.items()}
-        system.connect(f"{car}plant", listener, {inputs: "", **true})
+    return (f"{car}filter", "estimate.") if settings["feedback"] == "filter" else (f"{car}plant", "")

@@ -1,0 +1,122 @@
+"""overview.png of a formation: where the cars drove, how well they kept their places, and what they were told to do."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.collections import PolyCollection
+
+from cosim.results import Results
+from cosim.scenarios._formation_metrics import Errors, error, follower_errors, pose
+from cosim.scenarios._page import Panel, draw_page
+from cosim.scenarios._tracking_overview import footprints, thinned
+from cosim.slave import Vector
+
+_DRAWN = 8  # instants at which the cars are drawn
+_NAMED = 8  # cars beyond it have no name in the legends
+_AXES = (("x", "ahead of the leader"), ("y", "to the left of the leader"))
+Curve = Callable[[Results, int], tuple[Vector, Vector]]
+"""Of a car: times and values."""
+
+
+def draw_overview(results: Results, file: Path, title: str, leaders: Mapping[int, int], headway: float) -> None:
+    """Draw all panels and save them to `file`; `leaders` says who follows whom."""
+    cars = (1, *leaders)
+    panels = [
+        _curves("speed", "m/s", cars, _column("plant.velocity.x")),
+        _curves("yaw rate", "rad/s", cars, _column("plant.angular_rate.z")),
+    ]
+    if leaders:
+        errors = {k: follower_errors(results, k, leader, headway=headway) for k, leader in leaders.items()}
+        panels = [*_kept(errors), *panels, *_places(leaders), *_told(leaders)]
+    draw_page(results, file, title, lambda r, axes: _paths(r, axes, cars), panels, path_rows=2)
+
+
+def _paths(results: Results, axes: Any, cars: Iterable[int]) -> None:
+    """The ways of all cars, and the cars at a few instants, those of one instant joined to their leaders."""
+    rows = np.arange(len(results.time))
+    some = np.unique(np.linspace(0, len(rows) - 1, _DRAWN).astype(int))
+    for car in cars:
+        x, y, yaw = pose(results, car, rows).T
+        axes.plot(x[thinned(rows)], y[thinned(rows)], color=_color(car), linewidth=0.8, label=_label(car))
+        boxes = list(footprints(x[some], y[some], yaw[some]))
+        axes.add_collection(PolyCollection(boxes, facecolors=_color(car), edgecolors="black", linewidths=0.4))
+    times = ", ".join(f"{t:.3g}" for t in results.time[some])
+    axes.set(xlabel="x [m]", ylabel="y [m]", title=f"paths of O1; cars drawn at {times} s")
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.grid(alpha=0.3)
+    axes.legend(loc="upper left", ncols=4)
+
+
+def _kept(errors: Mapping[int, Errors]) -> list[Panel]:
+    """How far the hand points, and the cars themselves, are from their places."""
+
+    def distance(name: str) -> Curve:
+        return lambda _results, k: (errors[k].time, np.linalg.norm(getattr(errors[k], name), axis=1))
+
+    return [
+        _curves("error of the hand point", "m", errors, distance("hand")),
+        _curves("error of O1", "m", errors, distance("position")),
+    ]
+
+
+def _places(leaders: Mapping[int, int]) -> list[Panel]:
+    """Where each follower is, seen from its leader, and where it is wanted."""
+
+    def seen(axis: int) -> Curve:
+        def curve(results: Results, k: int) -> tuple[Vector, Vector]:
+            rows = results.instants(f"car{k}.follower")
+            own, ahead = pose(results, k, rows), pose(results, leaders[k], rows)
+            return results.time[rows], -error(ahead, own, np.zeros(2), 0.0)[:, axis]
+
+        return curve
+
+    return [
+        _curves(f"O1 {text}; dotted: wanted", "m", leaders, seen(i), _column(f"follower.offset.{name}"))
+        for i, (name, text) in enumerate(_AXES)
+    ]
+
+
+def _told(leaders: Mapping[int, int]) -> list[Panel]:
+    """The commands of the followers."""
+    return [
+        _curves("commanded acceleration", "m/s2", leaders, _column("follower.command.acceleration")),
+        _curves(
+            "commanded yaw rate; dotted: 1 while limited",
+            "rad/s",
+            leaders,
+            _column("follower.command.yaw_rate"),
+            _column("follower.saturation.yaw_rate"),
+        ),
+    ]
+
+
+def _curves(title: str, unit: str, cars: Iterable[int], curve: Curve, dotted: Curve | None = None) -> Panel:
+    """A panel with a curve of every car."""
+
+    def panel(results: Results, axes: Any) -> None:
+        for car in cars:
+            for drawn, style in ((curve, {"label": _label(car)}), (dotted, {"linestyle": ":"})):
+                if drawn is not None:
+                    time, values = drawn(results, car)
+                    some = thinned(np.arange(len(time)))
+                    axes.plot(time[some], values[some], color=_color(car), **style)
+        axes.set(title=title, ylabel=unit)
+
+    return panel
+
+
+def _column(name: str) -> Curve:
+    return lambda results, car: (results.time, results[f"car{car}.{name}"])
+
+
+def _color(car: int) -> str:
+    return "black" if car == 1 else f"C{(car - 2) % 10}"
+
+
+def _label(car: int) -> str:
+    """matplotlib leaves out of the legend what begins with an underscore."""
+    return f"car {car}" if car <= _NAMED else "_"

@@ -1,0 +1,111 @@
+"""What the formation scenarios share: their settings, and how these make a system."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from cosim.results import Results
+from cosim.scenario import NumberSetting, Scenario, Setting, Settings
+from cosim.scenarios._catalogue import fmu_path
+from cosim.scenarios._distances import distance_metrics
+from cosim.scenarios._formation import HEAD, PLANTS, Cars, Law, change_of_shape, formation
+from cosim.scenarios._formation_metrics import HAND, follower_errors, formation_metrics
+from cosim.scenarios._formation_start import start_in_formation
+from cosim.scenarios._sensors import SETTINGS
+from cosim.scenarios._string_stability import ratio_metrics
+from cosim.scenarios._topology import TOPOLOGIES, Spacing, topology
+from cosim.system import System
+
+MOST = 100
+_ROWS = 0.02
+"""Seconds from row to row: the period of the followers. A row every millisecond would be gigabytes for ten cars."""
+Shapes = Sequence[tuple[float, str]]
+"""When [s] the formation changes to which shape."""
+
+
+def formation_settings(vehicles: int, kind: str) -> dict[str, Setting | NumberSetting]:
+    """The settings of a formation that has `vehicles` cars and the topology `kind` unless told otherwise."""
+    return {
+        "vehicles": NumberSetting(vehicles, 1, MOST, "1", "number of cars, the head included", whole=True),
+        "topology": Setting(kind, tuple(TOPOLOGIES), "who follows whom, and the shape at the start"),
+        "plant": Setting("16dof", tuple(PLANTS), "what drives"),
+        **SETTINGS,
+        "radio": Setting("on", ("on", "off"), "messages at 10 Hz, late and noisy; off: known at once"),
+        "headway": NumberSetting(0.0, 0.0, 3.0, "s", "the wanted place moves back by this times the own speed"),
+        "feedforward": Setting("off", ("on", "off"), "the head broadcasts its speed to all followers"),
+        "spacing": NumberSetting(12.0, 6.0, 100.0, "m", "from rank to rank, O1 to O1"),
+        "lateral_spacing": NumberSetting(4.0, 2.5, 20.0, "m", "from file to file"),
+        "initial_error": NumberSetting(0.0, 0.0, 10.0, "m", "how far followers start beside their places, about"),
+    }
+
+
+def weaving(width: float) -> dict[str, float]:
+    """Parameters of ReferenceTrajectory: from 20 to 30 m/s, while four bends of `width` [s] weave left and right.
+
+    At 25 m/s the yaw rate of a bend is 0.12 rad/s.
+    """
+    return {
+        **{"initial_speed": 20.0, "acceleration": 1.0, "deceleration": 0.0},
+        **{"acceleration.start": 2.0, "acceleration.end": 13.0, "acceleration.rise": 1.0},
+        **{"amplitude": 3.0, "weave.start": 3.0, "weave.width": width, "weave.rise": 1.5, "turn.ratio": 0.0},
+    }
+
+
+def formation_scenario(
+    name: str, title: str, figures: str, stop_time: float, *, law: Law, cars: Cars, kind: str, shapes: Shapes = ()
+) -> Scenario:
+    """A formation of four cars that changes its shape at given times."""
+    return Scenario(
+        name=name,
+        title=title,
+        figures=figures,
+        stop_time=stop_time,
+        build=lambda settings: formation_system(settings, law, cars, shapes),
+        complete=complete,
+        find=fmu_path,
+        metrics=metrics,
+        draw=draw,
+        record_every=_ROWS,
+        settings=formation_settings(4, kind),
+    )
+
+
+def formation_system(settings: Settings, law: Law, cars: Cars, shapes: Shapes) -> System:
+    """The formation the settings describe."""
+    size, kind, spacing = int(settings["vehicles"]), settings["topology"], _spacing(settings)
+    timetable = [change_of_shape(time, shape, size, kind, spacing) for time, shape in shapes]
+    return formation(size, kind, law, timetable, settings, replace(cars, plant=settings["plant"]), spacing)
+
+
+def complete(system: System, settings: Settings) -> None:
+    """What follows from the user's values: where the cars start, and what the head assumes of its low level."""
+    start_in_formation(system, leaders(settings), settings["initial_error"])
+
+
+def leaders(settings: Settings) -> Mapping[int, int]:
+    """By number of the follower: the car it follows."""
+    return topology(settings["topology"]).leaders(int(settings["vehicles"]))
+
+
+def _spacing(settings: Settings) -> Spacing:
+    return Spacing(settings["spacing"], settings["lateral_spacing"])
+
+
+def metrics(results: Results) -> dict[str, float]:
+    """How well every follower kept its place, the smallest distance, and whether errors grow from car to car."""
+    follows, headway = leaders(results.settings), results.settings["headway"]
+    errors = {k: follower_errors(results, k, leader, HAND, headway).hand for k, leader in follows.items()}
+    return {
+        **formation_metrics(results, follows, HAND, headway),
+        **distance_metrics(results, (HEAD, *follows)),
+        **ratio_metrics(errors),
+    }
+
+
+def draw(results: Results, file: Path, title: str) -> None:
+    """overview.png."""
+    from cosim.scenarios._formation_overview import draw_overview  # noqa: PLC0415  (slow to import)
+
+    draw_overview(results, file, title, leaders(results.settings), results.settings["headway"])
