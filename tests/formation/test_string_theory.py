@@ -1,0 +1,155 @@
+"""String stability of the linear law on points: closed forms against frequencies and simulation, and what remedies do.
+
+Error of the leader's motion in front of a follower with u = -K z - K_i int z:  T = (K s + K_i)/(s^2 + K s + K_i).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from chain_model import Law, largest, simulate, transfer
+
+from cosim.scenarios._excitation import LINES, PERIOD, multisine, straight
+from cosim.scenarios._string_stability import gain_metrics, gains, ratio, ratio_metrics
+
+OMEGA = 2 * np.pi * np.array(LINES) / PERIOD
+SETTLE = 30.0
+FOLLOWERS = 4
+STEP = 0.02
+TIME = STEP / 2 * np.arange(round((SETTLE + PERIOD) / (STEP / 2)) + 2)
+
+
+def sweep(law: Law, star: bool = False):
+    """The last whole period of a drive whose head is excited; every 20 ms."""
+    rate_at = straight(TIME, *multisine(TIME, 0.5))
+
+    def head(t: float) -> tuple[float, float]:
+        return float(np.interp(t, TIME, rate_at[:, 1])), float(np.interp(t, TIME, rate_at[:, 4]))
+
+    drive = simulate(law, head, FOLLOWERS, SETTLE + PERIOD, star, STEP)
+    late = drive.time >= SETTLE - 1e-9
+    return drive.errors[late], drive.speeds[late]
+
+
+def by_car(columns: np.ndarray, first: int) -> dict[int, np.ndarray]:
+    return {first + i: columns[:, i] for i in range(columns.shape[1])}
+
+
+@pytest.mark.parametrize(("part", "expected"), [(1 / 2, 1.272), (1 / 4, 1.1547), (1 / 8, 1.086), (1 / 32, 1.025)])
+def test_the_law_amplifies_whatever_its_gains(part: float, expected: float) -> None:
+    """K_i = part K^2 has damping 1/(2 sqrt(part)); the loop of type 2 amplifies always, and K only scales the time."""
+    for gain in (1.0, 2.0, 4.0):
+        assert largest(Law(gain, part * gain**2)) == pytest.approx(expected, rel=1e-3)
+
+
+@pytest.mark.parametrize("part", [1 / 2, 1 / 4, 1 / 8])
+def test_the_amplification_in_closed_form(part: float) -> None:
+    """|T|^2 with x = omega^2/K_i, c = K^2/K_i is (c x + 1)/((1 - x)^2 + c x), largest at x = (sqrt(1 + 2 c) - 1)/c."""
+    c = 1 / part
+    x = (math.sqrt(1 + 2 * c) - 1) / c
+    assert largest(Law(2.0, 4 * part)) ** 2 == pytest.approx((c * x + 1) / ((1 - x) ** 2 + c * x), rel=1e-6)
+
+
+@pytest.mark.parametrize("law", [Law(), Law(2.0, 0.5), Law(headway=1.0), Law(headway=1.0, lag=0.2), Law(lag=0.15)])
+def test_the_gain_measured_in_a_sweep_is_that_of_the_transfer_function(law: Law) -> None:
+    """Independent proof of the metric: followers simulated in time against the closed form at every line."""
+    errors, speeds = sweep(law)
+    exact = np.abs(transfer(law, OMEGA))
+    for k in range(1, FOLLOWERS):
+        np.testing.assert_allclose(gains(errors[:, k], errors[:, k - 1], LINES, 1), exact, rtol=2e-3)
+    for k in range(FOLLOWERS):
+        np.testing.assert_allclose(gains(speeds[:, k + 1], speeds[:, k], LINES, 1), exact, rtol=2e-3)
+    found = gain_metrics(by_car(errors, 2), by_car(speeds, 1), LINES, 1)
+    assert found["car3.string_gain_max"] == pytest.approx(exact.max(), rel=2e-3)
+    assert found["car2.speed_gain_max"] == pytest.approx(exact.max(), rel=2e-3)
+    assert "car2.string_gain_max" not in found
+
+
+def test_lines_in_noise_do_not_count() -> None:
+    rng = np.random.default_rng(0)
+    time = STEP * np.arange(round(PERIOD / STEP))
+    ahead = sum(a * np.sin(w * time) for a, w in zip([1e-1] * 9 + [1e-4], OMEGA, strict=True))
+    noise = 0.03 * rng.standard_normal((2, len(time)))
+    found = gains(1.2 * ahead + noise[0], ahead + noise[1], LINES, 1)
+    np.testing.assert_allclose(found[:-1], 1.2, rtol=0.05)
+    assert math.isnan(found[-1])
+    assert np.isnan(gains(noise[0], noise[1], LINES, 1)).sum() >= len(LINES) - 1
+
+
+def test_ratios() -> None:
+    time = STEP * np.arange(1000)
+    z = {2: np.column_stack((0.5 * np.sin(time), 0.2 + 0 * time))}
+    z |= {3: 1.5 * z[2], 4: 0.01 * z[2], 5: z[2]}
+    found = ratio_metrics(z)
+    assert found["car3.string_ratio_max"] == pytest.approx(1.5)
+    assert found["string_ratio_rms"] == pytest.approx(1.5)
+    assert found["car4.string_ratio_norm_rms"] == pytest.approx(0.01 / 1.5)
+    assert math.isnan(found["car5.string_ratio_max"])
+    assert found["string_ratio_max"] == pytest.approx(1.5)
+    assert ratio_metrics({}) == ratio_metrics({2: z[2]}) == {}
+    assert math.isnan(ratio(z[2][:0, 0], z[2][:0, 0])[0])
+
+
+@pytest.mark.parametrize("integral", [0.5, 1.0, 2.0])
+@pytest.mark.parametrize("lag", [0.0, 0.1, 0.2, 0.3])
+@pytest.mark.parametrize("delay", [0.0, 0.02, 0.12])
+def test_a_time_headway_of_sqrt_2_by_Ki_is_the_limit_whatever_lag_and_delay(
+    integral: float, lag: float, delay: float
+) -> None:
+    """1/Gamma = e^(s delay) (1 + h s + s^2 (1 + lag s)/(K s + K_i)); its square is 1 + omega^2 (h^2 - 2/K_i) + ...
+
+    so lag and delay move nothing at low frequency, where the limit is decided.
+    """
+    limit = math.sqrt(2 / integral)
+    assert largest(Law(2.0, integral, 1.01 * limit, lag, delay)) <= 1.0 + 1e-9
+    assert largest(Law(2.0, integral, 0.97 * limit, lag, delay)) > 1.0 + 1e-6
+
+
+def test_amplification_by_five_percent_needs_little_more_than_half_of_that_headway() -> None:
+    table = {
+        lag: next(h for h in np.arange(0, 1.2, 0.01) if largest(Law(headway=h, lag=lag)) <= 1.05) for lag in (0, 0.2)
+    }
+    assert table == pytest.approx({0: 0.53, 0.2: 0.59})
+
+
+def braking(t: float) -> tuple[float, float]:
+    """The head takes back 8 m/s with 4 m/s2 after 2 s, and accelerates again after 15 s."""
+    speed = -np.interp(t, [0, 2, 4, 15, 19], [0, 0, 8, 8, 0])
+    knots = np.array([0, 2, 4, 15, 19])
+    way = np.array([0, 0, -8, -96, -112.0])
+    i = int(np.clip(np.searchsorted(knots, t, side="right") - 1, 0, 4))
+    start = -np.interp(knots[i], knots, [0, 0, 8, 8, 0])
+    return float(way[i] + 0.5 * (start + speed) * (t - knots[i])), float(speed)
+
+
+def ratios(law: Law, star: bool = False, followers: int = 9) -> list[tuple[float, float]]:
+    errors = simulate(law, braking, followers, 50.0, star, STEP).errors
+    return [ratio(errors[:, k], errors[:, k - 1], 1e-6) for k in range(1, followers)]
+
+
+def test_along_ten_cars_braking_grows_without_a_remedy_and_not_with_headway() -> None:
+    assert min(min(pair) for pair in ratios(Law())[:3]) > 1.1
+    errors = simulate(Law(), braking, 9, 50.0, False, STEP).errors
+    assert np.abs(errors[:, -1]).max() > 2.5 * np.abs(errors[:, 0]).max()
+    for lag in (0.0, 0.2):
+        assert max(max(pair) for pair in ratios(Law(headway=1.0, lag=lag))) <= 1.0 + 1e-6
+
+
+def test_in_a_star_all_have_the_same_error() -> None:
+    assert ratios(Law(), star=True) == [pytest.approx((1.0, 1.0), abs=1e-9)] * 8
+
+
+def test_the_heads_speed_takes_the_error_but_the_ratio_only_with_a_small_integral() -> None:
+    """z_k = T z_{k-1} also with the head's speed: it is the error itself that becomes small, with the speed lag."""
+    plain, known = (
+        simulate(Law(lag=0.2, feedforward=on), braking, 9, 50.0, False, STEP).errors for on in (False, True)
+    )
+    assert np.abs(known[:, 0]).max() < 0.6 * np.abs(plain[:, 0]).max()
+    lag = Law(lag=0.2)
+    known_sweep = sweep(Law(lag=0.2, feedforward=True))[0]
+    found = gains(known_sweep[:, 1], known_sweep[:, 0], LINES, 1)
+    np.testing.assert_allclose(found, np.abs(transfer(lag, OMEGA)), rtol=5e-3)
+    calm = ratios(Law(integral=2.0**2 / 64, lag=0.2, feedforward=True))
+    assert max(max(pair) for pair in calm) <= 1.05
