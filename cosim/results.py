@@ -13,6 +13,7 @@ import numpy as np
 
 from cosim.clock import SECOND
 from cosim.errors import CosimError, unknown
+from cosim.face import Value
 from cosim.slave import Vector
 from cosim.storage import PARQUET, STREAM, read_stream
 
@@ -20,13 +21,21 @@ from cosim.storage import PARQUET, STREAM, read_stream
 class Results:
     """`results["plant.yaw"]` is a column; `periods` [s] by instance name come from the run's summary.
 
-    `settings` are those of the scenario that ran, by name.
+    `settings` are those of the scenario that ran, by name; `parameters` by instance name what was set of its variables
+    before the start, by the scenario or by hand. What is not among them had the start value of the model.
     """
 
-    def __init__(self, table: Any, periods: Mapping[str, float], settings: Mapping[str, Any] | None = None) -> None:
+    def __init__(
+        self,
+        table: Any,
+        periods: Mapping[str, float],
+        settings: Mapping[str, Any] | None = None,
+        parameters: Mapping[str, Mapping[str, Value]] | None = None,
+    ) -> None:
         self._table = table
         self.periods = dict(periods)
         self.settings = dict(settings or {})
+        self.parameters = dict(parameters or {})
         self.names = [name for name in table.schema.names if name != "time"]
         self._known = frozenset(table.schema.names)
         self.time = table.column("time").to_numpy()
@@ -72,10 +81,15 @@ class _Columns:
         return self._file.read(columns=[name], use_threads=False).column(name)
 
 
-def load_results(folder: Path, periods: Mapping[str, float], settings: Mapping[str, Any] | None = None) -> Results:
+def load_results(
+    folder: Path,
+    periods: Mapping[str, float],
+    settings: Mapping[str, Any] | None = None,
+    parameters: Mapping[str, Mapping[str, Value]] | None = None,
+) -> Results:
     """The results in a run's folder: the Parquet file, or what a killed run left in its stream."""
     if (folder / PARQUET).is_file():
-        return Results(_Columns(folder / PARQUET), periods, settings)
+        return Results(_Columns(folder / PARQUET), periods, settings, parameters)
     if (folder / STREAM).is_file():
-        return Results(read_stream(folder / STREAM), periods, settings)
+        return Results(read_stream(folder / STREAM), periods, settings, parameters)
     raise CosimError(f"{folder} holds no results")

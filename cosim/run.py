@@ -160,7 +160,8 @@ def _kept(recorder: Recorder, progress: Progress, time: int) -> None:
 
 def _conclude(plan: Plan, outcome: Outcome, request: Request) -> tuple[dict[str, Any], Results]:
     folder, settings = request.folder, chosen(request.scenario, request.assignments)
-    results = load_results(folder, {name: node.period / 1e9 for name, node in plan.nodes.items()}, settings)
+    periods = {name: node.period / SECOND for name, node in plan.nodes.items()}
+    results = load_results(folder, periods, settings, {name: node.values for name, node in plan.nodes.items()})
     metrics = plan.scenario.metrics(results) if len(results.time) > 1 else {}
     summary = summarise(plan.scenario.name, plan.seed, outcome, plan.nodes, metrics, plan.record_every)
     try:

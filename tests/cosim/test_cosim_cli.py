@@ -50,6 +50,7 @@ def cosim(tank, monkeypatch, tmp_path, capsys):
             "level_last": float(results["second.level"][-1]),
             "nothing": float("nan"),
             "asked": results.settings["period"],
+            "poured": results.parameters["first"].get("inflow", 0.0),
         },
         settings={
             "source": Setting("good", ("good", "bad"), "which file"),
@@ -84,7 +85,8 @@ def test_a_run_writes_results_and_summary(cosim, tmp_path):
     for _ in range(100):
         levels.append(levels[-1] + 0.01 * (3.0 - levels[-1]))
     assert results["first.level"].tolist() == pytest.approx(levels, rel=1e-15)
-    assert summary["metrics"] == {"level_last": results["second.level"][-1], "nothing": None, "asked": 0.02}
+    known = {"nothing": None, "asked": 0.02, "poured": 3.0}
+    assert summary["metrics"] == {"level_last": results["second.level"][-1], **known}
 
 
 def test_rows_only_every_so_often(cosim, tmp_path):
