@@ -1,0 +1,122 @@
+"""Who follows whom and where everybody drives, against tables made by hand."""
+
+import pytest
+
+from cosim.errors import CosimError
+from cosim.scenario import chosen
+from cosim.scenarios import load
+from cosim.scenarios._formation import Cars, Change, Law, change_of_shape, formation
+from cosim.scenarios._formation_scenario import formation_settings
+from cosim.scenarios._formation_start import starts
+from cosim.scenarios._topology import SHAPES, TOPOLOGIES, Spacing, offsets, places, topology
+
+SEVEN = {
+    "chain": {2: 1, 3: 2, 4: 3, 5: 4, 6: 5, 7: 6},
+    "star": {2: 1, 3: 1, 4: 1, 5: 1, 6: 1, 7: 1},
+    "v": {2: 1, 3: 1, 4: 2, 5: 3, 6: 4, 7: 5},
+    "diamond": {2: 1, 3: 1, 4: 1, 5: 4, 6: 4, 7: 4},
+}
+# With ranks of 10 m and files of 3 m.
+PLACES = {
+    "line": [(0, 0), (-10, 0), (-20, 0), (-30, 0), (-40, 0), (-50, 0), (-60, 0)],
+    "v": [(0, 0), (-10, 3), (-10, -3), (-20, 6), (-20, -6), (-30, 9), (-30, -9)],
+    "diamond": [(0, 0), (-10, 3), (-10, -3), (-20, 0), (-30, 3), (-30, -3), (-40, 0)],
+    "left-wedge": [(0, 0), (-10, 3), (-20, 6), (-30, 9), (-40, 12), (-50, 15), (-60, 18)],
+    "right-wedge": [(0, 0), (-10, -3), (-20, -6), (-30, -9), (-40, -12), (-50, -15), (-60, -18)],
+}
+OFFSETS = {
+    "chain": [(-10, 0)] * 6,
+    "star": [(-10, 0), (-20, 0), (-30, 0), (-40, 0), (-50, 0), (-60, 0)],
+    "v": [(-10, 3), (-10, -3), (-10, 3), (-10, -3), (-10, 3), (-10, -3)],
+    "diamond": [(-10, 3), (-10, -3), (-20, 0)] * 2,
+}
+ROOM = Spacing(10.0, 3.0)
+SETTINGS = {name: setting.default for name, setting in formation_settings(4, "chain").items()}
+
+
+@pytest.mark.parametrize("size", range(1, 8))
+@pytest.mark.parametrize("kind", SEVEN)
+def test_everybody_follows_whom_the_table_says(kind, size):
+    assert topology(kind).leaders(size) == {k: leader for k, leader in SEVEN[kind].items() if k <= size}
+
+
+@pytest.mark.parametrize("size", range(1, 8))
+@pytest.mark.parametrize("shape", PLACES)
+def test_everybody_drives_where_the_table_says(shape, size):
+    assert places(shape, size, ROOM) == {k: PLACES[shape][k - 1] for k in range(1, size + 1)}
+
+
+@pytest.mark.parametrize("kind", OFFSETS)
+def test_offsets_are_seen_from_the_own_leader(kind):
+    wanted = places(topology(kind).shape, 7, ROOM)
+    assert list(offsets(topology(kind).leaders(7), wanted).values()) == OFFSETS[kind]
+
+
+def test_the_tables_are_of_all_there_are():
+    assert (SEVEN.keys(), PLACES.keys()) == (TOPOLOGIES.keys(), SHAPES.keys())
+
+
+@pytest.mark.parametrize("kind", TOPOLOGIES)
+def test_a_hundred_cars_have_a_hundred_places_and_follow_cars_before_them(kind):
+    assert len(set(places(topology(kind).shape, 100, ROOM).values())) == 100
+    assert all(leader < k for k, leader in topology(kind).leaders(100).items())
+
+
+def test_a_change_of_shape_keeps_who_follows_whom():
+    change = change_of_shape(15.0, "line", 7, "diamond", ROOM)
+    assert change.offsets == {2: (-10, 0), 3: (-20, 0), 4: (-30, 0), 5: (-10, 0), 6: (-20, 0), 7: (-30, 0)}
+
+
+def system(size, kind="chain", timetable=(), **settings):
+    return formation(size, kind, Law("Follower", motion=True), timetable, SETTINGS | settings, Cars("unicycle"), ROOM)
+
+
+def test_one_car_has_no_follower():
+    assert list(system(1).instances) == [f"car1.{n}" for n in ("reference", "hlc", "plant", "imu", "gps", "filter")]
+
+
+def test_the_timetable_moves_the_followers_it_names():
+    events = system(3, timetable=[Change(2.0, {3: (-15.0, 1.0)})]).events.values()
+    assert {(e.time, f"{e.instance}.{e.variable}", e.value) for e in events} == {
+        (2.0, "car3.follower.formation.x", -15.0),
+        (2.0, "car3.follower.formation.y", 1.0),
+    }
+
+
+def test_starts_follow_what_is_set_of_the_followers():
+    changed = system(3, headway=0.5)
+    changed.set("car2.follower.formation.y", "2")
+    assert starts(changed, {2: 1, 3: 2}, 20.0) == {2: (-20.0, 2.0), 3: (-40.0, 2.0)}
+    changed.set("car3.follower.formation.x", "far")
+    with pytest.raises(CosimError, match=r"car3\.follower\.formation\.x = 'far' is not a number"):
+        starts(changed, {2: 1, 3: 2}, 20.0)
+
+
+@pytest.mark.parametrize("car", [1, 9])
+def test_only_followers_change_their_places(car):
+    with pytest.raises(CosimError, match=rf"car {car} follows nobody in this formation .* at 2 s"):
+        system(3, timetable=[Change(2.0, {car: (0.0, 0.0)})])
+
+
+def test_what_there_is_none_of_is_said():
+    with pytest.raises(CosimError, match="unknown topology 'ring'; known are chain, diamond, star, v"):
+        system(3, "ring")
+    with pytest.raises(CosimError, match="unknown shape of a formation 'circle'"):
+        change_of_shape(1.0, "circle", 3, "chain", ROOM)
+    with pytest.raises(CosimError, match="a formation of 0 cars is none; give at least one"):
+        system(0)
+
+
+@pytest.mark.parametrize(
+    ("assignment", "sentence"),
+    [
+        (("scenario.vehicles", "0"), r"scenario\.vehicles = 0 is outside its range 1 \.\.\. 100"),
+        (("scenario.vehicles", "2.5"), r"scenario\.vehicles = '2\.5' is not a whole number; give one in 1 \.\.\. 100"),
+        (("scenario.topology", "ring"), r"scenario\.topology = 'ring' is not one of chain, star, v, diamond"),
+        (("scenario.plant", "tank"), r"scenario\.plant = 'tank' is not one of 16dof, double-track, unicycle"),
+        (("scenario.vehicle", "3"), r"did you mean vehicles"),
+    ],
+)
+def test_bad_settings_are_one_sentence(assignment, sentence):
+    with pytest.raises(CosimError, match=sentence):
+        chosen(load("formation-adaptive"), [assignment])
