@@ -103,6 +103,4 @@ def places(shape: str, size: int, spacing: Spacing) -> dict[int, Place]:
 
 def offsets(leaders: Mapping[int, int], wanted: Mapping[int, Place]) -> dict[int, Place]:
     """What each follower keeps from its leader so that all are at their wanted places."""
-    return {
-        k: (wanted[k][0] - wanted[leader][0], wanted[k][1] - wanted[leader][1]) for k, leader in leaders.items()
-    }
+    return {k: (wanted[k][0] - wanted[leader][0], wanted[k][1] - wanted[leader][1]) for k, leader in leaders.items()}
