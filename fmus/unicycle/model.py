@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import pi
+
 import casadi as ca
 
 from fmukit.interface import AXES
@@ -34,7 +36,7 @@ def _step() -> ca.Function:
     speed, yaw_rate = (FirstOrder(*channel) for channel in _channels(p, u, now))
     new = {
         "position": now["position"] + displacement(speed, yaw_rate, now["yaw"], h),
-        "yaw": now["yaw"] + yaw_rate.integral(h),
+        "yaw": _within_half_a_turn(now["yaw"] + yaw_rate.integral(h)),
         "speed": speed.value(h),
         "yaw_rate": yaw_rate.value(h),
     }
@@ -52,6 +54,11 @@ def _channels(p: Signals, u: Signals, x: dict[str, ca.SX]) -> tuple[tuple[ca.SX,
         (x["speed"], u["command.speed"], p["speed.lag"], u["body_force.x"] / p["body.mass"]),
         (x["yaw_rate"], u["command.yaw_rate"], p["yaw_rate.lag"], u["body_moment.z"] / p["body.inertia.z"]),
     )
+
+
+def _within_half_a_turn(yaw: ca.SX) -> ca.SX:
+    """A yaw that kept growing would lose digits over a long run."""
+    return yaw - 2 * pi * ca.floor((yaw + pi) / (2 * pi))
 
 
 def _outputs(p: Signals, u: Signals, x: dict[str, ca.SX]) -> ca.SX:
