@@ -10,7 +10,7 @@ from time import perf_counter_ns
 import numpy as np
 
 from cosim.assembly import Node
-from cosim.slave import WARNING, Call, Calls, Slave, SlaveError, Vector
+from cosim.slave import WARNING, Calls, Slave, SlaveError, Vector
 
 Action = Callable[[], object]
 
@@ -44,23 +44,23 @@ class Bound:
         if status > WARNING:
             self.check(status)
 
-    def feed(self) -> None:
-        """Gather the inputs and set them."""
+    def proceed(self) -> None:
+        """Gather, set, step: the master's vector stays as it is, so those who step together may do so in turn."""
         self.gather()
-        self._timed(self.calls.set)
-
-    def advance(self) -> None:
-        """Step by `step` from the master's time."""
-        self._timed(self.calls.step)
+        set_, step, _ = self.calls
+        start = perf_counter_ns()
+        status = set_()
+        if status <= WARNING:
+            status = step()
+        self.time += perf_counter_ns() - start
         self.count += 1
+        if status > WARNING:
+            self.check(status)
 
     def publish(self) -> None:
         """Write the outputs into the master's vector."""
-        self._timed(self.calls.get)
-
-    def _timed(self, call: Call) -> None:
         start = perf_counter_ns()
-        status = call()
+        status = self.calls.get()
         self.time += perf_counter_ns() - start
         if status > WARNING:
             self.check(status)

@@ -182,8 +182,7 @@ class Master:
             *(bound.publish for bound in parallel),
             *sequential,
             record,
-            *(bound.feed for bound in parallel),
-            *(bound.advance for bound in parallel),
+            *(bound.proceed for bound in parallel),
         ]
 
     def _finish(self, stop: int, record: Action) -> None:

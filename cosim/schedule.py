@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from heapq import heappop, heappush
 from typing import Literal
 
 from cosim.assembly import Node
@@ -37,7 +38,7 @@ class Schedule:
 
 def schedule(nodes: Mapping[str, Node], scheme: Scheme = "multirate") -> Schedule:
     """The schedule of the nodes, which stay in their given order where the dataflow leaves a choice."""
-    sampled = [name for name, node in nodes.items() if node.face.kind == "sampled"]
+    sampled = {name: None for name, node in nodes.items() if node.face.kind == "sampled"}
     continuous = tuple(name for name in nodes if name not in sampled)
     edges = {
         (connection.source, name)
@@ -46,7 +47,7 @@ def schedule(nodes: Mapping[str, Node], scheme: Scheme = "multirate") -> Schedul
         if connection.source in sampled and connection.source != name
     }
     periods = {name: node.period for name, node in nodes.items()}
-    order, broken = _order(sampled, edges, periods)
+    order, broken = _order(list(sampled), edges, periods)
     times = base_tick(periods.values()), hyperperiod(periods.values())
     if scheme == "jacobi":
         return Schedule((), (*continuous, *order), (), *times)
@@ -60,29 +61,44 @@ def active_ticks(periods: Mapping[str, int], end: int) -> Iterator[tuple[int, tu
 
 
 def _order(names: list[str], edges: set[Edge], periods: Mapping[str, int]) -> tuple[list[str], list[Edge]]:
-    edges, broken, order = set(edges), [], []
-    waiting = list(names)
+    """The dataflow order, of those that are ready the one listed first; and the edges of cycles that were broken."""
+    place = {name: i for i, name in enumerate(names)}
+    sources: dict[str, set[str]] = {name: set() for name in names}
+    targets: dict[str, set[str]] = {name: set() for name in names}
+    for source, target in edges:
+        sources[target].add(source)
+        targets[source].add(target)
+    ready = [place[name] for name in names if not sources[name]]  # in order, so it is a heap
+    waiting, broken = dict.fromkeys(names), []
+    order: list[str] = []
     while waiting:
-        ready = next((name for name in waiting if not _sources(name, waiting, edges)), None)
-        if ready is None:
-            slowest = _slowest_edge(_cycle(waiting, edges), periods)
-            edges.remove(slowest)
-            broken.append(slowest)
-            continue
-        order.append(ready)
-        waiting.remove(ready)
+        if not ready:
+            source, target = _slowest_edge(_cycle(next(iter(waiting)), sources, place), periods)
+            broken.append((source, target))
+            targets[source].remove(target)
+            freed = _without(source, {target}, sources)
+        else:
+            name = names[heappop(ready)]
+            order.append(name)
+            del waiting[name]
+            freed = _without(name, targets[name], sources)
+        for name in freed:
+            heappush(ready, place[name])
     return order, broken
 
 
-def _sources(name: str, among: list[str], edges: set[Edge]) -> list[str]:
-    return [source for source in among if (source, name) in edges]
+def _without(source: str, targets: set[str], sources: Mapping[str, set[str]]) -> list[str]:
+    """Which `targets` have no source any more once `source` is taken away."""
+    for target in targets:
+        sources[target].remove(source)
+    return [target for target in targets if not sources[target]]
 
 
-def _cycle(waiting: list[str], edges: set[Edge]) -> list[Edge]:
-    """One cycle among `waiting`, in which every instance has a source: walk back until an instance repeats."""
-    path = [waiting[0]]
+def _cycle(first: str, sources: Mapping[str, set[str]], place: Mapping[str, int]) -> list[Edge]:
+    """One cycle, where all that wait have a source: walk back from `first` until an instance repeats."""
+    path = [first]
     while True:
-        source = _sources(path[-1], waiting, edges)[0]
+        source = min(sources[path[-1]], key=place.__getitem__)
         if source in path:
             loop = path[path.index(source) :]
             return list(zip([*loop[1:], source], loop, strict=True))

@@ -10,7 +10,7 @@ import pyarrow as pa
 
 STREAM = "results.arrows"
 PARQUET = "results.parquet"
-_GROUP = 1 << 22  # values in a row group of the Parquet file: what is held in memory when it is written
+_GROUP = 1 << 21  # values in a row group of the Parquet file: what is held in memory when it is written
 
 
 def read_stream(path: Path) -> Any:
