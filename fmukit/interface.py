@@ -68,11 +68,28 @@ class Table:
 
 
 @dataclass(frozen=True, slots=True)
+class Advice:
+    """A sentence the FMU logs as a warning when `output` is above 0.5 after initialisation, which then goes on.
+
+    `{name}` in the text is replaced by the value of the Real parameter of that name.
+    """
+
+    output: str
+    text: str
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """The parameters whose values the text shows."""
+        return tuple(re.findall(r"\{([^{}]*)}", self.text))
+
+
+@dataclass(frozen=True, slots=True)
 class Interface:
     """A component's face: `step` is the default communication step [s]; build with `continuous` or `sampled`.
 
     A continuous component integrates in substeps no longer than `max_substep` [s]. A noisy one receives `noise`
-    unit normals at initialisation and at every sample, drawn from (`seed`, sample index).
+    unit normals at initialisation and at every sample, drawn from (`seed`, sample index). `advice` is given to the
+    user after initialisation where it applies.
     """
 
     name: str
@@ -83,12 +100,15 @@ class Interface:
     max_substep: float = math.inf
     noise: int = 0
     table: Table | None = None
+    advice: tuple[Advice, ...] = ()
 
     def __post_init__(self) -> None:
         names = [variable.name for variable in self.variables]
         twice = sorted({name for name in names if names.count(name) > 1})
         if twice:
             raise ValueError(f"{self.name} declares {', '.join(twice)} more than once")
+        for advice in self.advice:
+            _check_advice(self, advice)
 
     def select(self, causality: Causality) -> tuple[Variable, ...]:
         """Variables of one causality in slot order, `fault` among the outputs."""
@@ -99,11 +119,27 @@ class Interface:
         return tuple(v.name for v in self.select(causality) if (causality, v.name) != ("output", "fault"))
 
 
+def _check_advice(interface: Interface, advice: Advice) -> None:
+    """ValueError for advice on an output, or with a parameter, that is not a Real one of the interface."""
+    outputs = {variable.name for variable in interface.select("output") if variable.type == "Real"}
+    parameters = {variable.name for variable in interface.select("parameter") if variable.type == "Real"}
+    unknown = sorted(({advice.output} - outputs) | (set(advice.parameters) - parameters))
+    if unknown:
+        raise ValueError(f"{interface.name} gives advice on {', '.join(unknown)}, which it does not declare as Real")
+
+
 def continuous(
-    name: str, description: str, *, step: float, max_substep: float, variables: Iterable[Variable]
+    name: str,
+    description: str,
+    *,
+    step: float,
+    max_substep: float,
+    variables: Iterable[Variable],
+    advice: Iterable[Advice] = (),
 ) -> Interface:
     """A component that integrates over the step it is given (a plant)."""
-    return Interface(name, description, "continuous", step, _ordered(variables), max_substep=max_substep)
+    ordered = _ordered(variables)
+    return Interface(name, description, "continuous", step, ordered, max_substep=max_substep, advice=tuple(advice))
 
 
 def sampled(
@@ -115,6 +151,7 @@ def sampled(
     noise: int = 0,
     table: Table | None = None,
     periods: tuple[float, float] = (1e-6, 1e3),
+    advice: Iterable[Advice] = (),
 ) -> Interface:
     """A component that computes on its own grid of `sample_period` and holds its outputs in between.
 
@@ -137,7 +174,8 @@ def sampled(
                 type="Integer",
             )
         )
-    return Interface(name, description, "sampled", step, _ordered([*variables, *extra]), noise=noise, table=table)
+    ordered = _ordered([*variables, *extra])
+    return Interface(name, description, "sampled", step, ordered, noise=noise, table=table, advice=tuple(advice))
 
 
 def _seed(name: str) -> int:

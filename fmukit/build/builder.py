@@ -115,6 +115,7 @@ def _description(interface: Interface, code: Code, program: dict[str, object] | 
         "states": code.states,
         "table": table and dataclasses.asdict(table),
         "program": program,
+        "advice": [[advice.output, advice.text] for advice in interface.advice],
         "variables": [_entry(variable) for variable in interface.variables],
     }
 

@@ -7,6 +7,8 @@ a variable is its slot. `fault` is the last output. String parameters keep an un
 from __future__ import annotations
 
 import json
+import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -51,6 +53,27 @@ class Program:
 
 
 @dataclass(frozen=True, slots=True)
+class Advice:
+    """A sentence for the user when the output at `slot` is above 0.5 after initialisation.
+
+    `values` are pairs of a placeholder in the text and the slot of the parameter that takes its place.
+    """
+
+    slot: int
+    text: str
+    values: tuple[tuple[str, int], ...]
+
+    def given(self, buffer: Sequence[float]) -> str:
+        """The sentence with the values in `buffer`; empty where it does not apply."""
+        if not buffer[self.slot] > 0.5:
+            return ""
+        text = self.text
+        for placeholder, slot in self.values:
+            text = text.replace(placeholder, f"{buffer[slot]:g}")
+        return text
+
+
+@dataclass(frozen=True, slots=True)
 class Description:
     """One FMU: `size` is that of the whole buffer, `period_slot` and `seed_slot` are -1 where there is none.
 
@@ -68,6 +91,7 @@ class Description:
     seed_slot: int
     table: TableFile | None
     program: Program | None
+    advice: tuple[Advice, ...]
 
     @property
     def fault(self) -> int:
@@ -94,6 +118,7 @@ class Description:
             table=table
             and TableFile(slots[table["parameter"]], tuple(table["columns"]), table["rows"], table["increasing"]),
             program=program and _program(program, raw["derived"]),
+            advice=tuple(_advice(text, slots[output], slots) for output, text in raw["advice"]),
         )
 
 
@@ -101,6 +126,11 @@ def _port(entry: list[Any]) -> Port:
     name, type_, causality, start, low, high, unit = entry
     low, high = -LARGEST if low is None else low, LARGEST if high is None else high
     return Port(name, type_, causality, start, low, high, unit)
+
+
+def _advice(text: str, slot: int, slots: dict[str, int]) -> Advice:
+    names = re.findall(r"\{([^{}]*)}", text)
+    return Advice(slot, text, tuple((f"{{{name}}}", slots[name]) for name in names))
 
 
 def _program(entry: dict[str, Any], derived: int) -> Program:

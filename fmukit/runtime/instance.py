@@ -46,7 +46,7 @@ class Instance(Fmi2Slave):
         self._anchored = False
         self._origin = self._time = 0.0
         self._fault, self._slack = self.description_.fault, _TOLERANCE * self.description_.step
-        self._misfit: Callable[..., int] = _nothing_amiss
+        self._store: Callable[[int, int], int] = _store_nothing
         self._resources = Path(str(kwargs.get("resources")))
         self._script: script.Script | None = None
         self._get_vrs: list[int] | None = None
@@ -69,7 +69,7 @@ class Instance(Fmi2Slave):
     def _attach(self, path: Path) -> None:
         try:
             self._library = library.load(path, self.description_.size)
-            self._misfit = self._library.fmukit_misfit
+            self._store = self._library.fmukit_store
             weakref.finalize(self, library.release, path).atexit = False
             if self.description_.program:
                 self._script = script.Script(self.description_, self._buffer, self._strings, path.parent)
@@ -101,6 +101,13 @@ class Instance(Fmi2Slave):
             raise RefusalError(f"initialisation failed: {self._reason(code)}{advice}")
         self._motion.start(buffer[about.period_slot], seed)
         self._dirty = False
+
+    def _advise(self) -> None:
+        """Log what the user should know of the chosen parameters; nothing is refused."""
+        for advice in () if self._broken else self.description_.advice:
+            text = advice.given(self._buffer)
+            if text:
+                self._tell(text, Fmi2Status.warning)
 
     def _computed(self, seed: int) -> int:
         about, flat, rows = self.description_, array("d"), 0
@@ -137,8 +144,8 @@ class Instance(Fmi2Slave):
         self.log(text.encode("utf-8", "replace").decode("utf-8").replace("%", "%%").replace("\0", "?"), status)
 
 
-def _nothing_amiss(*_: int) -> int:
-    """Takes any value: an instance without its library discards every step anyway."""
+def _store_nothing(_buffer: int, _transfer: int) -> int:
+    """For an instance without its library, which discards every step anyway."""
     return 0
 
 

@@ -40,6 +40,7 @@ class Slave(Values):
         self._enter(STEPPING)
         try:
             self._initialise()
+            self._advise()
         except BaseException as error:
             self._break(error)
 
