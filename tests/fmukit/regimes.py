@@ -183,6 +183,23 @@ def _low_level(t: float) -> Values:
     }
 
 
+def _follower(t: float) -> Values:
+    """Some 12 m behind and 2 m to the right of a leader that goes round the circle."""
+    taken = max(t - 0.03, 0.0)
+    (x, y, yaw), (own_x, own_y, own_yaw) = _place(taken), _place(t - 0.5)
+    return {
+        **_group("leader.position", ("x", "y"), x, y),
+        "leader.yaw": yaw,
+        "leader.age": t - taken + 0.001,
+        **_group("estimate.position", ("x", "y"), own_x, own_y),
+        "estimate.yaw": own_yaw,
+        **_group("estimate.velocity", ("x", "y"), SPEED - 0.5, 0.2),
+        "estimate.yaw_rate": RATE + 0.01,
+        **_group("formation", ("x", "y"), -12.0, 0.5),
+        "feedforward.speed": SPEED,
+    }
+
+
 _AT_ONCE = {"acceleration.start": 0.0, "acceleration.rise": 0.2, "weave.start": 0.0, "weave.rise": 0.3}
 _REGIMES = {
     "Vehicle16Dof": Regime(
@@ -239,6 +256,17 @@ _REGIMES = {
         1.6,
         {"reference.x": 25.0, "reference.speed": 18.0, "reference.acceleration": 1.0, "problem.count": 2.0},
         parameters={"initial.lateral": 1.0, "initial.heading": 0.05},
+    ),
+    "AdaptiveFollower": Regime(
+        0.6,
+        {
+            "command.speed": 20.0,
+            "command.yaw_rate": 0.05,
+            "command.steer_feedforward": 5e-3,
+            "error.y": 0.1,
+            "velocity.y": 0.01,
+        },
+        _follower,
     ),
     "LowLevelPid": Regime(
         0.06,

@@ -1,0 +1,170 @@
+"""AdaptiveFollower: from the leader's pose and the own estimate to commands, and the weights one sample on."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import casadi as ca
+
+from fmukit.kernel import Kernel, Layout, Signals, sampled_kernel, stack, symbols
+from fmus.controllers.adaptive_follower import law, network, turning
+from fmus.controllers.adaptive_follower.interface import INTERFACE
+from fmus.controllers.formation import hand, link, offset, realise
+
+_V, _W = (network.N1 + 1, network.N2), (network.N2 + 1, network.N3)
+STATES = Layout(
+    started=1,  # 0 before the first sample, which starts from the own motion
+    V=_V[0] * _V[1],  # hidden weights, column by column
+    W=_W[0] * _W[1],  # output weights, column by column [m/s]
+    velocity=2,  # nu_hat at the last sample [m/s]
+    speed=1,  # command.speed at the last sample [m/s]
+    yaw_rate=1,  # command.yaw_rate at the last sample [rad/s]
+    offset=offset.STATES.size,  # the wanted place on its way to formation.x/y
+    link=link.STATES.size,  # how long the leader has been lost, and its last known speed
+    turning=turning.STATES.size,  # the leader's yaw rate from its messages
+)
+DERIVED = Layout()
+_LEARNING = (
+    *("adaptation.output", "adaptation.hidden", "leak.output", "leak.hidden", "leak.exponent"),
+    "adaptation.fastest",
+)
+Parts = dict[str, ca.SX]
+
+
+def kernel() -> Kernel:
+    """The kernel; the states hold all weights."""
+    return sampled_kernel(INTERFACE, states=STATES, derived=DERIVED, initialise=_initialise(), step=_step())
+
+
+class _Seen(NamedTuple):
+    """What a sample knows besides the weights: z, xbar, R(psi_L - psi_i), and Delta without the network's share."""
+
+    z: ca.SX
+    xbar: ca.SX
+    R_rel: ca.SX
+    known: ca.SX
+
+
+class _Driven(NamedTuple):
+    """nu_hat and the commands it leads to."""
+
+    nu: ca.SX
+    speed: realise.Realised
+    yaw_rate: realise.Realised
+
+
+def _initialise() -> ca.Function:
+    p, u = symbols(INTERFACE, "parameter"), symbols(INTERFACE, "input")
+    x = STATES.join(
+        {name: ca.SX.zeros(size) for name, size in STATES.sizes.items()}
+        | {"V": ca.vec(ca.SX(network.first_hidden_weights()))}
+    )
+    y = {name: ca.SX(0) for name in INTERFACE.names("output")} | {"gain_rule.broken": _rule_broken(p)}
+    arguments = [p.column, u.column, ca.SX.sym("w", 0), ca.SX.sym("table", 0), ca.SX.sym("rows")]
+    return ca.Function("initialise", arguments, [ca.SX.zeros(0), x, stack(INTERFACE.names("output"), y)])
+
+
+def _step() -> ca.Function:
+    p, u, x = symbols(INTERFACE, "parameter"), symbols(INTERFACE, "input"), STATES.symbol()
+    before = _begun(p, u, STATES.split(x))
+    r, r_rate, _ = offset.value(before["offset"])
+    linked = link.supervise(p, u, before["link"], ca.fmax(before["velocity"][0] + _broadcast(p, u)[0], 0))
+    turned = turning.follow(p, u, before["turning"], linked.heard)
+    place = r - ca.vertcat(p["headway"] * before["speed"], 0)
+    seen = _seen(p, u, before, place, r_rate, turning.STATES.split(turned)["rate"])
+    V, W = _taught(p, u, before, seen, linked)
+    driven = _drive(p, u, before | {"V": V, "W": W}, seen, linked)
+    after = STATES.join(
+        {"started": ca.SX(1), "V": ca.vec(V), "W": ca.vec(W), "velocity": driven.nu}
+        | {"speed": driven.speed.value, "yaw_rate": driven.yaw_rate.value}
+        | {"offset": offset.advance(before["offset"], _target(u), p["sample_period"], p["formation.duration"])}
+        | {"link": linked.state, "turning": turned}
+    )
+    y = stack(INTERFACE.names("output"), _outputs(p, u, seen, driven, linked, place, V, W))
+    arguments = [p.column, ca.SX.sym("d", 0), u.column, x, ca.SX.sym("w", 0), ca.SX.sym("t")]
+    return ca.Function("step", arguments, [after, y])
+
+
+def _begun(p: Signals, u: Signals, state: Parts) -> Parts:
+    """The state, at the first sample that of a follower that drives as it does, in its place; V and W as matrices."""
+    own = u["estimate.velocity.x"]
+    bias = p["bias.own_speed"] * (own - _broadcast(p, u)[0])
+    first = ca.vertcat(bias, ca.SX.zeros(network.N2), 0, ca.SX.zeros(network.N2))
+    start = {
+        "W": first,
+        "velocity": ca.vertcat(bias, 0),
+        "speed": ca.fmax(own, 0),
+        "yaw_rate": u["estimate.yaw_rate"],
+        "offset": offset.start(_target(u)),
+        "link": link.start(ca.fmax(own, 0)),
+    }
+    begun = state | {name: ca.if_else(state["started"], state[name], value) for name, value in start.items()}
+    return begun | {"V": ca.reshape(state["V"], *_V), "W": ca.reshape(begun["W"], *_W)}
+
+
+def _seen(p: Signals, u: Signals, before: Parts, place: ca.SX, r_rate: ca.SX, turning_rate: ca.SX) -> _Seen:
+    leader = law.heard_leader(p, u, turning_rate)
+    known = _broadcast(p, u)
+    r = place + ca.vertcat(p["hand.distance"], 0)
+    z = law.error(p, u, law.wanted_point(leader, r, before["velocity"] + known))
+    relative = leader.yaw_now - u["estimate.yaw"]
+    R_rel = hand.rotation(relative)
+    return _Seen(z, law.network_input(u, z, relative), R_rel, R_rel @ (known + r_rate))
+
+
+def _taught(p: Signals, u: Signals, before: Parts, seen: _Seen, linked: link.Link) -> tuple[ca.SX, ca.SX]:
+    """The weights after this sample; a limited channel and a leader not heard teach nothing."""
+    tried = _drive(p, u, before, seen, linked)
+    z = seen.z * (1 - p["freeze_limited"] * ca.vertcat(tried.speed.limited, tried.yaw_rate.limited))
+    e = ca.if_else(p["leader_frame"], seen.R_rel.T @ z, z)
+    learning = network.Learning(*(p[name] for name in _LEARNING))
+    V, W = network.adapt(before["V"], before["W"], seen.xbar, e, learning, p["sample_period"])
+    return ca.if_else(linked.heard, V, before["V"]), ca.if_else(linked.heard, W, before["W"])
+
+
+def _drive(p: Signals, u: Signals, state: Parts, seen: _Seen, linked: link.Link) -> _Driven:
+    """What the weights in `state` lead to, after the commands in it."""
+    y = state["W"].T @ network.activation(state["V"], seen.xbar).sigma
+    nu = ca.if_else(p["leader_frame"], y, seen.R_rel.T @ y)
+    wanted = law.hand_velocity(p, seen.z, seen.R_rel @ nu + seen.known)
+    time = p["realise.speed_time"] + p["headway"]
+    following = realise.speed_towards(p, state["speed"], wanted[0], time)
+    holding = link.hold_speed(p, linked.state, state["speed"], time)
+    speed = realise.Realised(*(ca.if_else(linked.heard, *pair) for pair in zip(following, holding, strict=True)))
+    turn = ca.if_else(linked.heard, wanted[1] / p["hand.distance"], 0)
+    return _Driven(nu, speed, realise.yaw_rate(p, state["yaw_rate"], turn, u["estimate.velocity.x"]))
+
+
+def _outputs(
+    p: Signals, u: Signals, seen: _Seen, driven: _Driven, linked: link.Link, place: ca.SX, V: ca.SX, W: ca.SX
+) -> Parts:
+    nu = driven.nu + _broadcast(p, u)
+    w = driven.yaw_rate.value
+    values = {
+        "command.speed": driven.speed.value,
+        "command.acceleration": driven.speed.rate,
+        "command.yaw_rate": w,
+        "command.steer_feedforward": realise.steering(p, u["estimate.velocity.x"], w),
+        "saturation.speed": driven.speed.limited,
+        "saturation.yaw_rate": driven.yaw_rate.limited,
+        "link.lost": 1 - linked.heard,
+        "weights.norm": ca.sqrt(ca.sumsqr(W)),
+        "weights.hidden_norm": ca.sqrt(ca.sumsqr(V)),
+        "gain_rule.broken": _rule_broken(p),
+    }
+    pairs = {"error": seen.z, "offset": place, "velocity": nu}
+    return values | {f"{name}.{axis}": pair[i] for name, pair in pairs.items() for i, axis in enumerate("xy")}
+
+
+def _broadcast(p: Signals, u: Signals) -> ca.SX:
+    """What is known of the leader's velocity without learning, in its body axes [m/s] (2)."""
+    return ca.vertcat(p["feedforward.enabled"] * u["feedforward.speed"], 0)
+
+
+def _target(u: Signals) -> ca.SX:
+    return u.vector("formation", "xy")
+
+
+def _rule_broken(p: Signals) -> ca.SX:
+    """F > K^2/(2 (1 + N2/4)): the bias integrates with F |sigma|^2, which makes the damping fall below 0.7."""
+    return p["adaptation.output"] * 2 * (1 + network.N2 / 4) > p["gain"] ** 2 * (1 + 1e-9)

@@ -1,0 +1,37 @@
+"""How fast the leader turns, from one message to the next: messages carry its yaw angle, not its yaw rate."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from fmukit.kernel import Layout, Signals
+from fmus.clip import clip
+from fmus.controllers.formation.hand import wrap
+
+STATES = Layout(
+    known=1,  # 1 once there was a message
+    age=1,  # of the newest message at the last sample [s]
+    yaw=1,  # in the newest message [rad]
+    rate=1,  # yaw rate of the leader [rad/s]
+)
+_SAME = 1e-3  # s; messages taken so close together are one
+_FASTEST = 1.5  # rad/s; no car turns faster
+
+
+def follow(p: Signals, u: Signals, state: ca.SX, heard: ca.SX) -> ca.SX:
+    """The next state: at a new message the rate moves towards the change of yaw over the time between the two."""
+    before = STATES.split(state)
+    between = before["age"] + p["sample_period"] - u["leader.age"]
+    new = ca.logic_and(heard, between > _SAME)
+    between = ca.fmax(between, _SAME)
+    seen = clip(wrap(u["leader.yaw"] - before["yaw"]) / between, -_FASTEST, _FASTEST)
+    share = 1 - ca.exp(-between / p["turning.memory"])
+    learnt = before["rate"] + before["known"] * share * (seen - before["rate"])
+    return STATES.join(
+        {
+            "known": ca.if_else(new, 1, before["known"]),
+            "age": ca.if_else(heard, u["leader.age"], before["age"] + p["sample_period"]),
+            "yaw": ca.if_else(new, u["leader.yaw"], before["yaw"]),
+            "rate": ca.if_else(new, learnt, before["rate"]),
+        }
+    )
