@@ -11,6 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from cosim.advice import pass_on
 from cosim.assembly import Node, assemble
 from cosim.clock import SECOND, nanoseconds, to_seconds
 from cosim.errors import CosimError, because
@@ -118,10 +119,12 @@ def in_time(request: Request, nodes: Mapping[str, Node]) -> None:
 def execute(plan: Plan, load: Load, folder: Path, progress: Progress = lambda _time: None) -> Outcome:
     """Load the slaves, initialise and run them, recording into `folder`."""
     with _interrupts() as interrupted:
-        master = Master(plan.nodes, plan.schedule, load())
+        slaves = load()
+        master = Master(plan.nodes, plan.schedule, slaves)
         recorder = _recorder(folder, master, plan)
         try:
             master.initialise()
+            pass_on(slaves)
             outcome = master.run(plan.stop, recorder, partial(_kept, recorder, progress), interrupted)
         except SlaveError as failure:
             outcome = Outcome("failed", failure.sentence("at initialisation"), 0, 0, {}, {})

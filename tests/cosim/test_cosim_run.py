@@ -101,3 +101,14 @@ def test_a_broken_cycle_and_a_conversion_are_explained():
     assert [text.startswith("delay: a cycle is broken here") for text in edges] == [False, True]
     assert list(tables["unit conversions"].columns[0].cells) == ["slow.a -> fast.b"]
     assert list(tables["unit conversions"].columns[3].cells) == ["1000"]
+
+
+def test_warnings_at_initialisation_are_passed_on_once_each(tmp_path, caplog):
+    system, mocks = System(), {}
+    for k in range(6):
+        system.add(f"car{k}", "Mock")
+        mocks[f"car{k}"] = Mock(face({}, {"y": "m"}, step=0.1), lambda t, h, u: {"y": t})
+        mocks[f"car{k}"].reason = "the gain is 5 % too large" if k else ""
+    with caplog.at_level("WARNING", "cosim"):
+        execute(plan_of(system, mocks), lambda: mocks, tmp_path)
+    assert caplog.messages == ["car1, car2, car3 and 2 more: the gain is 5 % too large"]
