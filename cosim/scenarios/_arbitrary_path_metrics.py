@@ -3,21 +3,29 @@
 from __future__ import annotations
 
 import csv
+import logging
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
+from cosim.errors import CosimError
 from cosim.results import Results
-from cosim.scenarios._arbitrary_path import built_in_road, clearance, optimum
+from cosim.scenarios import _arbitrary_road
 from cosim.scenarios._mpc_metrics import mpc_metrics
 from cosim.scenarios._tracking_metrics import peak
 from cosim.slave import Vector
 
 PLANNING = 0.0
+_ROUNDED = 1e-6  # [m/s], of speeds in a trajectory file
+_LOG = logging.getLogger("cosim")
 
 
 def arbitrary_path_metrics(results: Results) -> dict[str, float]:
-    """Times [s] and distances [m]; `optimum_*` and `corridor_*` are of the built-in road with the planner's limits."""
-    driven, best = final_time(results), optimal_time(results)
+    """Times [s] and distances [m], of the road and with the limits that the planner had in this run."""
+    p = _arbitrary_road.parameters(results.parameters["planner"])
+    end, driven = crossing(results, p)
+    best = optimal_time(p)
     return {
         "final_time": driven,
         "final_time_planned": last(results, "plan.final_time") or float("nan"),
@@ -29,36 +37,50 @@ def arbitrary_path_metrics(results: Results) -> dict[str, float]:
         "solver_iterations_max": peak(results.samples("planner", "solver.iterations")),
         "planned_ahead_min": planned_ahead(results),
         **joints(results),
-        "corridor_violation_max": violation(results),
+        "corridor_violation_max": violation(results, p, end),
         **mpc_metrics(results, "planner"),
     }
 
 
-def final_time(results: Results) -> float:
-    """When O1 crossed the last gate of the built-in road inside the road [s], linear between two rows; else NaN."""
-    gates = built_in_road(clearance({"margin": 0.0})).gates(2)
+def crossing(results: Results, p: Mapping[str, Any]) -> tuple[int, float]:
+    """The first row after O1 crossed the last gate inside the road, and when [s], linear between two rows.
+
+    All rows and NaN where it did not, or there is no last gate because the road is closed.
+    """
+    gates = _arbitrary_road.gates(p)
     x, y, heading = gates.frames[-1]
     away = np.column_stack([results["plant.position.x"] - x, results["plant.position.y"] - y])
     c, s = np.cos(heading), np.sin(heading)
     ahead, left = c * away[:, 0] + s * away[:, 1], c * away[:, 1] - s * away[:, 0]
-    crossed = (ahead[:-1] < 0) & (ahead[1:] >= 0) & (left[1:] >= gates.low[-1]) & (left[1:] <= gates.high[-1])
-    if not crossed.any():
-        return float("nan")
+    more = p["road.clearance"] - _arbitrary_road.half_width()
+    inside = (left >= gates.low[-1] - more) & (left <= gates.high[-1] + more)
+    crossed = (ahead[:-1] < 0) & (ahead[1:] >= 0) & inside[1:]
+    if gates.closed or not crossed.any():
+        return len(ahead), float("nan")
     rows = int(np.argmax(crossed)) + np.arange(2)
-    return float(np.interp(0.0, ahead[rows], results.time[rows]))
+    return int(rows[1]), float(np.interp(0.0, ahead[rows], results.time[rows]))
 
 
-def optimal_time(results: Results) -> float:
-    """End time [s] of the global optimum."""
-    with optimum(results.settings).open(newline="", encoding="utf-8") as source:
-        return float(list(csv.DictReader(source))[-1]["time"])
+def optimal_time(p: Mapping[str, Any]) -> float:
+    """End time [s] of the global optimum; NaN, and why in the log, where there is none to compare with."""
+    try:
+        if p["road.closed"]:
+            raise CosimError("a closed road has no end")
+        with _arbitrary_road.optimum(p).open(newline="", encoding="utf-8") as source:
+            end = list(csv.DictReader(source))[-1]
+        if float(end["speed"]) > p["end.speed"] + _ROUNDED:
+            raise CosimError(f"it would pass the end at {float(end['speed']):.1f} m/s, faster than planner.end.speed")
+    except CosimError as error:
+        _LOG.info("optimum_time is unknown: %s", error)
+        return float("nan")
+    return float(end["time"])
 
 
 def planned_ahead(results: Results) -> float:
-    """The least time [s] planned ahead of now while there was more to plan."""
+    """The least time [s] planned ahead of now while there was more to plan; NaN without such a sample."""
     planning = results.samples("planner", "plan.phase") == PLANNING
     ahead = results.samples("planner", "plan.end_time") - results.time[results.instants("planner")]
-    return float(np.min(ahead[planning], initial=np.inf))
+    return float(np.min(ahead[planning])) if planning.any() else float("nan")
 
 
 def joints(results: Results) -> dict[str, float]:
@@ -76,13 +98,10 @@ def joints(results: Results) -> dict[str, float]:
     return {"joint_position_max": peak(position), "joint_course_max": peak(turn), "joint_speed_max": peak(gain)}
 
 
-def violation(results: Results) -> float:
-    """How far O1 left the road less the car's half width, before its end."""
+def violation(results: Results, p: Mapping[str, Any], end: int) -> float:
+    """How far O1 left the road less the car's half width, before row `end`."""
     points = np.column_stack([results["plant.position.x"], results["plant.position.y"]])
-    road = built_in_road(clearance({"margin": 0.0}))
-    end, heading = road.gates(2).frames[-1, :2], road.gates(2).frames[-1, 2]
-    before = (points - end) @ np.array([np.cos(heading), np.sin(heading)]) < 0
-    return road.violation(points[before])
+    return _arbitrary_road.path_road(p, _arbitrary_road.half_width()).violation(points[:end])
 
 
 def last(results: Results, name: str) -> float:

@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 
 from cosim.results import Results
-from cosim.scenarios._arbitrary_path import built_in_road, clearance
+from cosim.scenarios import _arbitrary_road
 from cosim.scenarios._page import draw_page
 from cosim.scenarios._tracking_metrics import tracking_errors
 from cosim.scenarios._tracking_overview import plot
 
 _WHEELS = ("fl", "fr", "rl", "rr")
 _DEGREES = 180.0 / np.pi
-_GATES = 400
+_POINTS = 400
 
 
 def draw_overview(results: Results, file: Path, title: str) -> None:
@@ -25,10 +25,9 @@ def draw_overview(results: Results, file: Path, title: str) -> None:
 
 
 def _path(results: Results, axes: Any) -> None:
-    road = built_in_road(clearance({"margin": 0.0}))
-    gates = road.gates(_GATES)
-    for side in (gates.low - road.clearance, gates.high + road.clearance):
-        axes.plot(*gates.point(side).T, color="tab:gray")
+    p = _arbitrary_road.parameters(results.parameters["planner"])
+    for side in _arbitrary_road.path_road(p, 0.0).edges(_POINTS):
+        axes.plot(*side.T, color="tab:gray")
     axes.plot(results.samples("planner", "reference.x"), results.samples("planner", "reference.y"), "k--", label="plan")
     axes.plot(results["plant.position.x"], results["plant.position.y"], color="tab:blue", label="car (O1)")
     rows = _joints(results)
@@ -36,7 +35,7 @@ def _path(results: Results, axes: Any) -> None:
     axes.set(
         xlabel="x [m]",
         ylabel="y [m]",
-        title="built-in road; crosses: the reference when a local problem was solved",
+        title="road; crosses: the reference when a local problem was solved",
     )
     axes.set_aspect("equal", adjustable="datalim")
     axes.grid(alpha=0.3)

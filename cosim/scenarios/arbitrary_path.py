@@ -7,7 +7,7 @@ from cosim.scenarios._catalogue import fmu_path
 
 SCENARIO = Scenario(
     name="arbitrary-path",
-    title="A road of 690 m driven in time-suboptimal motion, planned on a receding horizon while driving",
+    title="A road driven in time-suboptimal motion, planned on a receding horizon while driving",
     figures="Figs. 3.16 to 3.18 in part: path, speeds and commands of one drive",
     stop_time=36.0,
     build=_arbitrary_path.loop,

@@ -35,6 +35,12 @@ class PathRoad:
         check_widths(self._across(s))
         return checked(self._across(_even(curve, s, m)))
 
+    def edges(self, count: int) -> tuple[Array, Array]:
+        """`count` points (count, 2) of the left and of the right edge, less the clearance, for drawing: unchecked."""
+        curve, s, _ = self._curve()
+        gates = self._across(_even(curve, s, count - 1))
+        return gates.point(gates.high), gates.point(gates.low)
+
     def _across(self, at: Array) -> Gates:
         """Gates at the distances `at` (n,) [m]."""
         curve, s, widths = self._curve()
