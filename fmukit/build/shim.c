@@ -78,10 +78,18 @@ static int commit(double *b, const double *derived, const double *state) {
 
 API int fmukit_size(void) { return X + STATES; }
 
-/* Position from 1 of the first value outside its limits, 0 if none; NaN is outside of any. */
-API int fmukit_misfit(const double *values, const double *low, const double *high, int64_t count) {
-  for (int64_t i = 0; i < count; ++i)
-    if (!(low[i] <= values[i] && values[i] <= high[i])) return (int)i + 1;
+/* What is to be stored: `values` within [low, high] into `slots` of the buffer. */
+typedef struct {
+  const double *values, *low, *high;
+  const int64_t *slots;
+  int64_t count;
+} transfer;
+
+/* All values or none: position from 1 of the first that is outside its limits, 0 if none; NaN is outside of any. */
+API int fmukit_store(double *b, const transfer *all) {
+  for (int64_t i = 0; i < all->count; ++i)
+    if (!(all->low[i] <= all->values[i] && all->values[i] <= all->high[i])) return (int)i + 1;
+  for (int64_t i = 0; i < all->count; ++i) b[all->slots[i]] = all->values[i];
   return 0;
 }
 

@@ -15,7 +15,7 @@ _PROTOTYPES = {
     "fmukit_initialise": (ctypes.c_void_p, ctypes.c_int64, ctypes.c_void_p, ctypes.c_double),
     "fmukit_sample": (ctypes.c_void_p, ctypes.c_int64, ctypes.c_int64, ctypes.c_double),
     "fmukit_advance": (ctypes.c_void_p, ctypes.c_double, ctypes.c_int64),
-    "fmukit_misfit": (ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64),
+    "fmukit_store": (ctypes.c_void_p, ctypes.c_void_p),
     "fmukit_size": (),
 }
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import ctypes
 from array import array
 from collections.abc import Callable, Sequence
 from math import isfinite
 from operator import itemgetter
+from struct import Struct
 
 from .description import Description, Port
 
@@ -14,19 +16,28 @@ class RefusalError(Exception):
     """A call cannot be served; the message is a sentence naming the variable, the value and the remedy."""
 
 
+class _Transfer(ctypes.Structure):
+    """The library's `transfer`: addresses of values, limits and slots."""
+
+    _fields_ = (*((name, ctypes.c_void_p) for name in ("values", "low", "high", "slots")), ("count", ctypes.c_int64))
+
+
 class Plan:
     """The slots of one list of value references, all of one type."""
 
-    __slots__ = ("_highs", "_lows", "_pick", "slots", "where")
+    __slots__ = ("_kept", "_pack", "_pick", "_transfer", "_values", "slots", "where")
 
     def __init__(self, description: Description, slots: list[int]) -> None:
-        ports = [description.ports[slot] for slot in slots]
+        ports, count = [description.ports[slot] for slot in slots], len(slots)
         self.slots = slots
-        self._lows = array("d", [port.low for port in ports])
-        self._highs = array("d", [port.high for port in ports])
-        contiguous = bool(slots) and slots == list(range(slots[0], slots[0] + len(slots)))
-        self.where = slice(slots[0], slots[0] + len(slots)) if contiguous else None
-        self._pick = itemgetter(*slots) if len(slots) > 1 else None
+        contiguous = bool(slots) and slots == list(range(slots[0], slots[0] + count))
+        self.where = slice(slots[0], slots[0] + count) if contiguous else None
+        self._pick = itemgetter(*slots) if count > 1 else None
+        self._pack, self._values = Struct(f"{count}d").pack_into, array("d", bytes(8 * count))
+        limits = (array("d", [port.low for port in ports]), array("d", [port.high for port in ports]))
+        memory = (self._values, *limits, array("q", slots))
+        transfer = _Transfer(*(part.buffer_info()[0] for part in memory), count)
+        self._kept, self._transfer = (memory, transfer), ctypes.addressof(transfer)
 
     def read(self, buffer: array[float]) -> list[float]:
         """The values of the slots, in the order asked for."""
@@ -34,21 +45,13 @@ class Plan:
             return buffer[self.where].tolist()
         return list(self._pick(buffer)) if self._pick else []
 
-    def write(self, buffer: array[float], values: array[float]) -> None:
-        """Put one value into each slot."""
-        if self.where is not None:
-            buffer[self.where] = values
-        else:
-            for slot, value in zip(self.slots, values, strict=True):
-                buffer[slot] = value
+    def store(self, store: Callable[[int, int], int], buffer: int, values: Sequence[float]) -> int:
+        """Put one value into each slot, or none: position from 1 of the first outside its limits, 0 if all fit.
 
-    def misfit(self, inside: Callable[..., int], values: array[float]) -> int:
-        """Position from 1 of the first value outside its limits, 0 if none; `inside` is the library's check."""
-        return inside(_address(values), _address(self._lows), _address(self._highs), len(values))
-
-
-def _address(values: array[float]) -> int:
-    return values.buffer_info()[0]
+        `store` is the library's, `buffer` the address of the instance's.
+        """
+        self._pack(self._values, 0, *values)
+        return store(buffer, self._transfer)
 
 
 def plan(description: Description, vrs: Sequence[int], type_: str) -> Plan:

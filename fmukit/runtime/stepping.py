@@ -23,12 +23,15 @@ class Continuous:
         self._advance = library.fmukit_advance
         self._address = address
         self._max_substep = max_substep
+        self._duration, self._count = max_substep, 1
 
     def start(self, period: float, seed: int) -> None:
         """Nothing to set: a continuous kernel has neither grid nor noise."""
 
     def step(self, t: float, dt: float, origin: float) -> int:
-        count = substeps(dt, self._max_substep)
+        if dt != self._duration:
+            self._duration, self._count = dt, substeps(dt, self._max_substep)
+        count = self._count
         if count > _MOST:
             return TOO_LONG
         code: int = self._advance(self._address, dt / count, count)
@@ -59,13 +62,21 @@ class Sampled:
         end = ceil((t + dt - origin) / period - _TOLERANCE)
         if end - index > _MOST:
             return TOO_LONG
-        before = ctypes.string_at(self._address, self._size) if end - index > 1 else b""
+        if end - index == 1:
+            code = self._sample(self._address, self._seed, end, index * period)
+        else:
+            code = self._several(index, end)
+        if not code:
+            self.index = max(self.index, end)
+        return code
+
+    def _several(self, index: int, end: int) -> int:
+        before = ctypes.string_at(self._address, self._size)
         for k in range(index, end):
-            code = self._sample(self._address, self._seed, k + 1, k * period)
+            code = self._sample(self._address, self._seed, k + 1, k * self._period)
             if code:
                 ctypes.memmove(self._address, before, len(before))
                 return code
-        self.index = max(self.index, end)
         return 0
 
 

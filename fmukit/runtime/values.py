@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from array import array
-
 from pythonfmu.enums import Fmi2Status
 
 from .instance import INITIALISING, PLAIN, STEPPING, TERMINATED, Instance
@@ -106,8 +104,6 @@ class Values(Instance):
 
     def _write(self, where: Plan, values: list[float]) -> None:
         """Store all values of one call, or none when one of them is outside its limits."""
-        taken = array("d", values)
-        misfit = where.misfit(self._misfit, taken)
+        misfit = where.store(self._store, self._address, values)
         if misfit:
-            raise RefusalError(complaint(self.description_.ports[where.slots[misfit - 1]], taken[misfit - 1]))
-        where.write(self._buffer, taken)
+            raise RefusalError(complaint(self.description_.ports[where.slots[misfit - 1]], values[misfit - 1]))

@@ -28,7 +28,7 @@ from fmukit.component import Component
 from fmukit.python_kernel import PythonKernel
 from fmus import CATALOGUE
 
-ALWAYS = {"fmukit_misfit", "fmukit_normals", "fmukit_size"}
+ALWAYS = {"fmukit_normals", "fmukit_size", "fmukit_store"}
 SYSTEM = ("kernel32.dll", "msvcrt.dll", "ucrtbase.dll")
 WINE = shutil.which("wine") or shutil.which("wine64") or shutil.which("/usr/lib/wine/wine64")
 

@@ -81,8 +81,7 @@ def test_a_crash_is_reported_with_its_calls(tmp_path: Path, unzipped: dict[str, 
 def test_a_refused_call_with_an_effect_is_found(tmp_path: Path, unzipped: dict[str, Path]) -> None:
     """The fuzzer itself: a slave that stores a value before it checks it is found out."""
     folder = tmp_path / "Imu"
-    copy_with(
-        folder, unzipped["Imu"], "values.py", "        misfit = where", "        where.write(self._buffer, taken)"
-    )
+    early = "        for slot, value in zip(where.slots, values): self._buffer[slot] = value"
+    copy_with(folder, unzipped["Imu"], "values.py", "        misfit = where", early)
     with pytest.raises(AssertionError, match="set_anything"):
         fuzz(folder, 50, 1)
