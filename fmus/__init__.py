@@ -2,7 +2,14 @@
 
 from fmukit.component import Component
 from fmus import double_track, estimator, unicycle, vehicle16dof
-from fmus.controllers import adaptive_follower, high_level_lqr, low_level_pid, mpc_allocator, reference
+from fmus.controllers import (
+    adaptive_follower,
+    constraint_follower,
+    high_level_lqr,
+    low_level_pid,
+    mpc_allocator,
+    reference,
+)
 from fmus.planner import receding
 from fmus.sensors import gps, imu, radio
 
@@ -20,4 +27,5 @@ CATALOGUE: tuple[Component, ...] = (
     radio.COMPONENT,
     unicycle.COMPONENT,
     adaptive_follower.COMPONENT,
+    constraint_follower.COMPONENT,
 )

@@ -200,6 +200,16 @@ def _follower(t: float) -> Values:
     }
 
 
+def _messaged_follower(t: float) -> Values:
+    """The same follower, told of its leader's motion too, and of a trajectory."""
+    return {
+        **_follower(t),
+        **_group("leader.velocity", ("x", "y"), SPEED, -0.1),
+        "leader.yaw_rate": RATE,
+        **{f"reference.{name}": value for name, value in _reference_at(t).items()},
+    }
+
+
 _AT_ONCE = {"acceleration.start": 0.0, "acceleration.rise": 0.2, "weave.start": 0.0, "weave.rise": 0.3}
 _REGIMES = {
     "Vehicle16Dof": Regime(
@@ -267,6 +277,22 @@ _REGIMES = {
             "velocity.y": 0.01,
         },
         _follower,
+    ),
+    "ConstraintFollower": Regime(
+        0.6,
+        {
+            "command.speed": 20.0,
+            "command.acceleration": 0.01,
+            "command.yaw_rate": 0.05,
+            "command.steer_feedforward": 5e-3,
+            "error.y": 0.1,
+            "multiplier.offset.x": 1e-3,
+            "multiplier.heading": 1e-3,
+            "leader.yaw_acceleration": 1e-6,
+            "constraint.residual": 1e-6,
+        },
+        _messaged_follower,
+        {"constraint.heading": True, "constraint.distance": True, "headway": 0.1},
     ),
     "LowLevelPid": Regime(
         0.06,

@@ -23,7 +23,7 @@ STEP = _step()
 
 def _run(targets: list[tuple[float, float]], start: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
     """(steps, 2, 3): r, r', r'' after every step."""
-    state, rows = ca.DM(offset.start(ca.DM(start))), []
+    state, rows = ca.evalf(offset.start(ca.SX(ca.DM(start)))), []
     for target in targets:
         state, seen = STEP(state, target, DURATION)
         rows.append(np.array(seen))

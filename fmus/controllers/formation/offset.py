@@ -7,13 +7,14 @@ without end is the filter r''' = (60 (target - r) - 36 T r' - 9 T^2 r'')/T^3, wh
 
 from __future__ import annotations
 
+import math
 from typing import TypeVar
 
 import casadi as ca
 
 from fmukit.kernel import Layout
 
-Symbol = TypeVar("Symbol", ca.SX, ca.MX, ca.DM)
+Symbol = TypeVar("Symbol", ca.SX, ca.MX)
 
 STATES = Layout(begin=2, begin_rate=2, begin_acceleration=2, target=2, elapsed=1, duration=1)
 """Where the course began [m, m/s, m/s2], where it ends [m], and how long ago it began of how long it lasts [s]."""
@@ -40,6 +41,17 @@ def advance(state: Symbol, target: Symbol, T: Symbol | float, duration: Symbol |
     }
     now = {name: ca.if_else(anew, begun[name], s[name]) for name in STATES.sizes}
     return STATES.join(now | {"elapsed": ca.fmin(now["elapsed"] + T, now["duration"])})
+
+
+def unhurried(
+    state: Symbol, target: Symbol, duration: Symbol, speed: Symbol | float, acceleration: Symbol | float
+) -> Symbol:
+    """`duration` [s], longer where a course from rest would exceed `speed` [m/s] or `acceleration` [m/s2].
+
+    A quintic over d in T reaches 15/8 d/T and 10/sqrt(3) d/T^2.
+    """
+    d = ca.norm_2(target - value(state)[0])
+    return ca.fmax(duration, ca.fmax(1.875 * d / speed, ca.sqrt(10 / math.sqrt(3) * d / acceleration)))
 
 
 def value(state: Symbol) -> tuple[Symbol, Symbol, Symbol]:

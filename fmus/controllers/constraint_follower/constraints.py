@@ -1,0 +1,127 @@
+"""Constraints between vehicles, their rates, and the multipliers that keep them, for any number of vehicles.
+
+A vehicle is q_i = (h_x, h_y, psi): its hand point and its yaw angle. C(q, s) = 0 binds the coordinates q that the
+constraint forces move, and may depend on driven coordinates s, whose motion is given:
+
+    C' = W q' + C_s s',   W = dC/dq,        C'' = W q'' + gamma
+
+with gamma = W' q' + (C_s s')' at q'' = 0. Vehicles move as q'' = B u + n, where u are accelerations of equal virtual
+mass, B the directions in which they act. Constraint forces act through W' like Lagrange's, on what a vehicle can do
+through B', so u = -(W B)' lambda, and C'' = -K_d C' - K_p C needs
+
+    (W B)(W B)' lambda = W n + gamma + K_d C' + K_p C
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import casadi as ca
+
+from fmus.controllers.formation.hand import rotation, wrap
+
+COORDINATES = 3
+"""Coordinates of a vehicle: h_x [m], h_y [m], psi [rad]."""
+REGULARISATION = 1e-6
+"""Added to the diagonal, for rows of length about one."""
+DEPENDENT = 1e-4
+"""A pivot below it, the squared sine between a row and those before it, counts as dependent."""
+
+
+class Multipliers(NamedTuple):
+    """lambda (m), pivots of the factorisation (m), and what the rows lack of the acceleration asked for (m)."""
+
+    value: ca.SX
+    pivots: ca.SX
+    residual: ca.SX
+
+
+def offset(q_i: ca.SX, q_j: ca.SX, r: ca.SX) -> ca.SX:
+    """h_i - h_j - R(psi_j) r [m] (2): vehicle i is wanted at r (2) from j, in the axes of j."""
+    return q_i[:2] - q_j[:2] - rotation(q_j[2]) @ r
+
+
+def distance(q_i: ca.SX, q_j: ca.SX, r: ca.SX) -> ca.SX:
+    """(|h_i - h_j|^2 - |r|^2)/2 [m2] (1): the hands are |r| apart. Without direction where they coincide."""
+    return 0.5 * (ca.sumsqr(q_i[:2] - q_j[:2]) - ca.sumsqr(r))
+
+
+def trajectory(q_i: ca.SX, s: ca.SX) -> ca.SX:
+    """h_i - s [m] (2): the hand is on a driven point; the offset zero from a vehicle that only exists in thought."""
+    return offset(q_i, s, ca.SX.zeros(2))
+
+
+def heading(q_i: ca.SX, q_j: ca.SX) -> ca.SX:
+    """psi_i - psi_j [rad] (1), wrapped."""
+    return wrap(q_i[2] - q_j[2])
+
+
+def rows(C: ca.SX, q: ca.SX, s: ca.SX, fixed: ca.SX) -> ca.Function:
+    """(q, q', s, s', s'', fixed) -> (C, W, C', gamma) of the rows C, an expression in these symbols."""
+    dq, ds, dds = ca.SX.sym("dq", q.numel()), ca.SX.sym("ds", s.numel()), ca.SX.sym("dds", s.numel())
+    rate = ca.jtimes(C, q, dq) + ca.jtimes(C, s, ds)
+    gamma = ca.jtimes(rate, q, dq) + ca.jtimes(rate, s, ds) + ca.jtimes(C, s, dds)
+    return ca.Function("rows", [q, dq, s, ds, dds, fixed], [C, ca.densify(ca.jacobian(C, q)), rate, gamma])
+
+
+def directions(psi: ca.SX, a: ca.SX | float) -> ca.SX:
+    """B (3 x 2) of a vehicle that does not slide, for u = (v', a omega') [m/s2]."""
+    return ca.vertcat(rotation(psi), ca.horzcat(0, 1 / a))
+
+
+def drift(psi: ca.SX, velocity: ca.SX, omega: ca.SX, a: ca.SX | float) -> ca.SX:
+    """n (3): h'' and psi'' at u = 0, from the velocity of O1 in body axes (2); h'' = R (v' - a w^2 - w v_y, ...)."""
+    body = ca.vertcat(-omega * (velocity[1] + a * omega), omega * velocity[0])
+    return ca.vertcat(rotation(psi) @ body, 0)
+
+
+def multipliers(G: ca.SX, b: ca.SX) -> Multipliers:
+    """lambda of (G G' + eps I) lambda = b, with G = W B and b = W n + gamma + K_d C' + K_p C.
+
+    Positive definite for every G: dependent and contradictory rows give the compromise of least squares, whose
+    residual is eps lambda, and a row switched off (zero in G and b) has lambda zero.
+    """
+    x, pivots = solve(G @ G.T + REGULARISATION * ca.SX.eye(G.shape[0]), b)
+    return Multipliers(x, pivots, REGULARISATION * x)
+
+
+def solve(A: ca.SX, b: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """(A^-1 b, pivots) of a symmetric positive definite matrix (m x m) by A = L D L', written out."""
+    m = A.shape[0]
+    L, d = ca.SX.eye(m), ca.SX.zeros(m)
+    x = ca.densify(b)
+    for j in range(m):
+        d[j] = A[j, j] - sum(L[j, k] ** 2 * d[k] for k in range(j))
+        for i in range(j + 1, m):
+            L[i, j] = (A[i, j] - sum(L[i, k] * L[j, k] * d[k] for k in range(j))) / d[j]
+            x[i] -= L[i, j] * x[j]
+    x = x / d
+    for j in reversed(range(m)):
+        for i in range(j):
+            x[i] -= L[j, i] * x[j]
+    return x, d
+
+
+def formation(edges: Iterable[tuple[int, int]], vehicles: int) -> ca.Function:
+    """Joint rows of the offset constraints of a formation: (q, q', r, r', r'', none) -> (C, W, C', gamma).
+
+    edges: (follower, leader) pairs; q (3 vehicles) stacks the vehicles, r (2 edges) the offsets, C has 2 rows per edge.
+    """
+    pairs = tuple(edges)
+    q, r = ca.SX.sym("q", COORDINATES * vehicles), ca.SX.sym("r", 2 * len(pairs))
+    parts = ca.vertsplit(q, COORDINATES)
+    C = [offset(parts[i], parts[j], r[2 * k : 2 * k + 2]) for k, (i, j) in enumerate(pairs)]
+    return rows(ca.vertcat(*C), q, r, ca.SX.sym("none", 0))
+
+
+def isolated(W: ca.SX, edges: Iterable[tuple[int, int]]) -> ca.SX:
+    """W of `formation` without the columns of the leaders: to its followers a leader has infinite mass.
+
+    What is left are blocks of 2 x 3, one per follower, which each solves alone.
+    """
+    kept = ca.SX.zeros(*W.shape)
+    for k, (i, _) in enumerate(edges):
+        block = slice(2 * k, 2 * k + 2), slice(COORDINATES * i, COORDINATES * (i + 1))
+        kept[block] = W[block]
+    return kept

@@ -1,0 +1,113 @@
+"""How the leader moves now, from its messages: pose, velocity and yaw rate as sent, accelerations by a filter.
+
+The body velocities and the yaw rate w = (v_x, v_y, omega) are followed by polynomials of second degree whose past is
+forgotten exponentially. The critically damped filter that fits them corrects (w, w', w'') at a message, Delta after
+the one before, by its innovation times
+
+    g = 1 - theta^3,   h = 3/2 (1 - theta)^2 (1 + theta)/Delta,   k = (1 - theta)^3/Delta^2,   theta = exp(-Delta/tau)
+
+Between messages all is carried forward, and a message is carried over its age before it is compared.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import casadi as ca
+
+from fmukit.kernel import Layout, Signals
+from fmus.controllers.formation.hand import S, rotation, wrap
+
+STATES = Layout(
+    heard=1,  # 1 while the link stands
+    age=1,  # of the newest message [s]
+    position=2,  # of O1 [m]
+    yaw=1,  # [rad]
+    w=3,  # (v_x, v_y, omega) [m/s, m/s, rad/s]
+    rate=3,  # w' [m/s2, m/s2, rad/s2]
+    curve=3,  # w'' [m/s3, m/s3, rad/s3]
+)
+_SAME = 1e-3  # s; messages taken so close together are one
+Parts = dict[str, ca.SX]
+
+
+class Motion(NamedTuple):
+    """(x, y, psi) of O1 in the world with first and second derivative (3 each)."""
+
+    place: ca.SX
+    rate: ca.SX
+    acceleration: ca.SX
+
+
+def follow(p: Signals, u: Signals, state: ca.SX, heard: ca.SX) -> ca.SX:
+    """The state now, from that of the sample before; the first message of a link begins anew."""
+    before, T, tau = STATES.split(state), p["sample_period"], p["leader.filter_time"]
+    now = carried(before, T, ca.fmax(0, ca.fmin(T, tau - before["age"])))
+    between = before["age"] + T - u["leader.age"]
+    new = ca.logic_and(heard, between > _SAME)
+    corrected = _corrected(u, now, ca.fmax(between, _SAME), tau)
+    begun = _begun(u)
+    later = {}
+    for name in ("position", "yaw", "w", "rate", "curve"):
+        followed = ca.if_else(new, corrected[name], now[name])
+        later[name] = ca.if_else(ca.logic_and(heard, before["heard"] < 0.5), begun[name], followed)
+    age = ca.if_else(heard, u["leader.age"], before["age"] + T)
+    return STATES.join(later | {"heard": ca.if_else(heard, 1, 0), "age": age})
+
+
+def carried(m: Parts, T: ca.SX, bent: ca.SX | None = None) -> Parts:
+    """The motion T [s] later; w'' acts for `bent` [s] of it, because a parabola is no forecast for long."""
+    D = T if bent is None else bent
+    w = m["w"] + T * m["rate"] + D * (T - 0.5 * D) * m["curve"]
+    mean = m["w"] + T / 2 * m["rate"] + D**2 / 6 * m["curve"]
+    moved = T * (rotation(m["yaw"] + 0.5 * T * mean[2]) @ mean[:2])
+    rate = m["rate"] + D * m["curve"]
+    return m | {"position": m["position"] + moved, "yaw": m["yaw"] + T * mean[2], "w": w, "rate": rate}
+
+
+def gains(between: ca.SX, tau: ca.SX) -> ca.SX:
+    """(g [1], h [1/s], k [1/s2]) of the critically damped filter for values `between` [s] apart."""
+    theta = ca.exp(-between / tau)
+    rate = 1.5 * (1 - theta) ** 2 * (1 + theta) / between
+    return ca.vertcat(1 - theta**3, rate, ((1 - theta) / between) ** 2 * (1 - theta))
+
+
+def motion(state: ca.SX) -> Motion:
+    """Motion of O1: p' = R v, p'' = R (v' + omega S v), v in body axes."""
+    m = STATES.split(state)
+    R, v, omega = rotation(m["yaw"]), m["w"][:2], m["w"][2]
+    return Motion(
+        ca.vertcat(m["position"], m["yaw"]),
+        ca.vertcat(R @ v, omega),
+        ca.vertcat(R @ (m["rate"][:2] + omega * S @ v), m["rate"][2]),
+    )
+
+
+def _message(u: Signals) -> Parts:
+    """What the newest message says, at the time it was sent."""
+    return {
+        "position": u.vector("leader.position", "xy"),
+        "yaw": u["leader.yaw"],
+        "w": ca.vertcat(u.vector("leader.velocity", "xy"), u["leader.yaw_rate"]),
+    }
+
+
+def _begun(u: Signals) -> Parts:
+    steady = {"rate": ca.SX.zeros(3), "curve": ca.SX.zeros(3)}
+    return carried(_message(u) | steady, u["leader.age"])
+
+
+def _corrected(u: Signals, now: Parts, between: ca.SX, tau: ca.SX) -> Parts:
+    """The motion now after a message, `between` [s] after the last."""
+    age = u["leader.age"]
+    then = now["rate"] - age * now["curve"]
+    seen = carried(_message(u) | {"rate": then, "curve": now["curve"]}, age)
+    theta, (g, h, k) = ca.exp(-between / tau), ca.vertsplit(gains(between, tau))
+    new = seen["w"] - now["w"]
+    return {
+        "position": now["position"] + (1 - theta) * (seen["position"] - now["position"]),
+        "yaw": now["yaw"] + (1 - theta) * wrap(seen["yaw"] - now["yaw"]),
+        "w": now["w"] + g * new,
+        "rate": now["rate"] + h * new,
+        "curve": now["curve"] + k * new,
+    }

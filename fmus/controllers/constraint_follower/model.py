@@ -1,0 +1,139 @@
+"""ConstraintFollower: from the leader's messages, the trajectory and the own estimate to commands."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from fmukit.kernel import Kernel, Layout, Signals, sampled_kernel, stack, symbols
+from fmus.controllers.constraint_follower import commands, law, leader, places
+from fmus.controllers.constraint_follower.interface import INTERFACE, KINDS, ROWS
+from fmus.controllers.formation import hand, link, offset, realise
+
+STATES = Layout(
+    started=1,  # 0 before the first sample, which starts from the own motion
+    speed=1,  # integrated speed [m/s]
+    yaw_rate=1,  # integrated yaw rate [rad/s]
+    offset=offset.STATES.size,  # the wanted place on its way to formation.x/y
+    headway=places.HEADWAY.size,
+    path=places.PATH.size,
+    link=link.STATES.size,
+    leader=leader.STATES.size,
+    broadcast=3,  # feedforward.speed, its first and second derivative [m/s, m/s2, m/s3]
+)
+DERIVED = Layout()
+Parts = dict[str, ca.SX]
+
+
+def kernel() -> Kernel:
+    """The kernel; nothing is derived from the parameters."""
+    return sampled_kernel(INTERFACE, states=STATES, derived=DERIVED, initialise=_initialise(), step=_step())
+
+
+def _initialise() -> ca.Function:
+    p, u = symbols(INTERFACE, "parameter"), symbols(INTERFACE, "input")
+    y = {name: ca.SX(0) for name in INTERFACE.names("output")} | {"constraint.none": _none(p)}
+    arguments = [p.column, u.column, ca.SX.sym("w", 0), ca.SX.sym("table", 0), ca.SX.sym("rows")]
+    x = ca.SX.zeros(STATES.size)
+    return ca.Function("initialise", arguments, [ca.SX.zeros(0), x, stack(INTERFACE.names("output"), y)])
+
+
+def _step() -> ca.Function:
+    p, u, x = symbols(INTERFACE, "parameter"), symbols(INTERFACE, "input"), STATES.symbol()
+    before, T = _begun(p, u, STATES.split(x)), p["sample_period"]
+    shift = _shifting(p, u, before["offset"])
+    linked = link.supervise(p, u, before["link"], ca.fmax(u["leader.velocity.x"], 0))
+    followed = leader.follow(p, u, before["leader"], linked.heard)
+    broadcast = _broadcast(p, u, before["broadcast"])
+    ahead = _fed_forward(p, followed, broadcast)
+    speed, yaw_rate = commands.near(p, u, before["speed"], before["yaw_rate"])
+    back = places.pull_back(p, before["headway"], speed)
+    place = places.place(before["offset"], before["headway"], back)
+    me = law.own(p, u, speed, yaw_rate)
+    asked = law.ask(p, me, leader.motion(ahead), place, places.path(p, u, before["path"]), linked.heard)
+    alone = ca.logic_and(linked.heard < 0.5, ca.sum1(asked.on) < 0.5)
+    driven = commands.command(p, asked, linked, alone, speed, yaw_rate)
+    after = STATES.join(
+        {"started": ca.SX(1), "speed": driven.speed.value, "yaw_rate": driven.yaw_rate.value}
+        | {"offset": shift, "headway": places.pulled_back(before["headway"], back, T)}
+        | {"path": places.path_state(p, u, before["path"]), "link": linked.state}
+        | {"leader": followed, "broadcast": broadcast}
+    )
+    y = stack(INTERFACE.names("output"), _outputs(p, u, driven, asked, linked, place, ahead))
+    arguments = [p.column, ca.SX.sym("d", 0), u.column, x, ca.SX.sym("w", 0), ca.SX.sym("t")]
+    return ca.Function("step", arguments, [after, y])
+
+
+def _begun(p: Signals, u: Signals, state: Parts) -> Parts:
+    """The state, at the first sample that of a follower that drives as it does, wanted at formation.x/y."""
+    own = ca.fmax(u["estimate.velocity.x"], 0)
+    start = {
+        "speed": own,
+        "yaw_rate": u["estimate.yaw_rate"],
+        "offset": offset.start(_target(u)),
+        "headway": ca.vertcat(p["headway"] * own, 0),
+        "path": places.path_start(u),
+        "link": link.start(own),
+        "broadcast": ca.vertcat(u["feedforward.speed"], 0, 0),
+    }
+    return state | {name: ca.if_else(state["started"], state[name], value) for name, value in start.items()}
+
+
+def _shifting(p: Signals, u: Signals, state: ca.SX) -> ca.SX:
+    """The wanted place one sample later."""
+    limits = p["transition.speed"], p["transition.acceleration"]
+    duration = offset.unhurried(state, _target(u), p["formation.duration"], *limits)
+    return offset.advance(state, _target(u), p["sample_period"], duration)
+
+
+def _broadcast(p: Signals, u: Signals, state: ca.SX) -> ca.SX:
+    """The head's speed with two derivatives; what is broadcast is taken as new at every sample."""
+    T = p["sample_period"]
+    gains = leader.gains(T, p["leader.filter_time"])
+    now = ca.vertcat(state[0] + T * state[1] + T**2 / 2 * state[2], state[1] + T * state[2], state[2])
+    return now + gains * (u["feedforward.speed"] - now[0])
+
+
+def _fed_forward(p: Signals, followed: ca.SX, broadcast: ca.SX) -> ca.SX:
+    """The leader's state; with feedforward.enabled it accelerates as the head of the formation does."""
+    rate = leader.STATES.split(followed)["rate"]
+    given = ca.vertcat(ca.if_else(p["feedforward.enabled"], broadcast[1], rate[0]), rate[1:])
+    return leader.STATES.join(leader.STATES.split(followed) | {"rate": given})
+
+
+def _outputs(
+    p: Signals,
+    u: Signals,
+    driven: commands.Commands,
+    asked: law.Asked,
+    linked: link.Link,
+    place: leader.Motion,
+    ahead: ca.SX,
+) -> Parts:
+    rate = leader.STATES.split(ahead)["rate"]
+    values = {
+        "command.speed": driven.led_speed,
+        "command.acceleration": driven.speed.rate,
+        "command.yaw_rate": driven.led_yaw_rate,
+        "command.yaw_acceleration": driven.yaw_rate.rate,
+        "command.steer_feedforward": realise.steering(p, u["estimate.velocity.x"], driven.led_yaw_rate),
+        "saturation.speed": driven.speed.limited,
+        "saturation.yaw_rate": driven.yaw_rate.limited,
+        "link.lost": 1 - linked.heard,
+        "constraint.residual": ca.norm_2(asked.on * asked.multipliers.residual),
+        "constraint.deficiency": law.deficiency(asked),
+        "constraint.none": _none(p),
+        "leader.yaw_acceleration": rate[2],
+    }
+    z = hand.rotation(u["estimate.yaw"]).T @ law.error(p, asked)
+    pairs = {"error": z, "offset": place.place, "leader.acceleration": rate[:2]}
+    values |= {f"{name}.{axis}": pair[i] for name, pair in pairs.items() for i, axis in enumerate("xy")}
+    values |= {f"violation.{row}": asked.on[i] * asked.C[i] for i, row in enumerate(ROWS)}
+    return values | {f"multiplier.{row}": asked.multipliers.value[i] for i, row in enumerate(ROWS)}
+
+
+def _target(u: Signals) -> ca.SX:
+    return u.vector("formation", "xy")
+
+
+def _none(p: Signals) -> ca.SX:
+    return 1 - ca.fmin(sum(p[f"constraint.{kind}"] for kind in KINDS), 1)

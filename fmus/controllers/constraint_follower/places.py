@@ -1,0 +1,69 @@
+"""Where the follower is wanted: the place in the leader's axes, and the trajectory as a vehicle that drives it."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from fmukit.kernel import Layout, Signals
+from fmus.controllers.constraint_follower.leader import Motion
+from fmus.controllers.formation import offset
+from fmus.controllers.formation.hand import S
+
+HEADWAY = Layout(
+    back=1,  # how far the place has moved back [m]
+    rate=1,  # how fast it does [m/s]
+)
+PATH = Layout(
+    turning=1,  # rate of the course at the last sample [rad/s]
+    sideslip=1,  # slow part of the own sideslip [rad]
+)
+_SLOW = 3.0  # m/s; below it sideslip is not an angle worth following
+
+
+def place(shift: ca.SX, headway: ca.SX, back_acceleration: ca.SX) -> Motion:
+    """The wanted offset of O1 (2) with derivatives: the quintic, further back by the headway."""
+    back = HEADWAY.split(headway)
+    behind = (back["back"], back["rate"], back_acceleration)
+    return Motion(*(r - ca.vertcat(b, 0) for r, b in zip(offset.value(shift), behind, strict=True)))
+
+
+def pull_back(p: Signals, headway: ca.SX, speed: ca.SX) -> ca.SX:
+    """d'' [m/s2] of d'' + 2 w d' + w^2 d = w^2 headway v: the headway as a place that has all its derivatives."""
+    w, d = p["headway.filter"], HEADWAY.split(headway)
+    return w**2 * (p["headway"] * speed - d["back"]) - 2 * w * d["rate"]
+
+
+def pulled_back(headway: ca.SX, acceleration: ca.SX, T: ca.SX) -> ca.SX:
+    """The headway state one period later."""
+    d = HEADWAY.split(headway)
+    later = {"back": d["back"] + T * d["rate"] + T**2 / 2 * acceleration, "rate": d["rate"] + T * acceleration}
+    return HEADWAY.join(later)
+
+
+def path(p: Signals, u: Signals, state: ca.SX) -> Motion:
+    """The trajectory as O1 of a vehicle: its yaw angle is the course less the own sideslip."""
+    before, v, course = PATH.split(state), u["reference.speed"], u["reference.course"]
+    turning = v * u["reference.curvature"]
+    along = ca.vertcat(ca.cos(course), ca.sin(course))
+    across = S @ along
+    turning_rate = (turning - before["turning"]) / p["sample_period"]
+    return Motion(
+        ca.vertcat(u["reference.x"], u["reference.y"], course - before["sideslip"]),
+        ca.vertcat(v * along, turning),
+        ca.vertcat(u["reference.acceleration"] * along + v * turning * across, turning_rate),
+    )
+
+
+def path_state(p: Signals, u: Signals, state: ca.SX) -> ca.SX:
+    """The state one sample later."""
+    before = PATH.split(state)
+    velocity = u.vector("estimate.velocity", "xy")
+    beta = ca.if_else(velocity[0] > _SLOW, ca.atan2(velocity[1], ca.fmax(velocity[0], _SLOW)), 0)
+    share = 1 - ca.exp(-p["sample_period"] / p["sideslip_time"])
+    learnt = before["sideslip"] + share * (beta - before["sideslip"])
+    return PATH.join({"turning": u["reference.speed"] * u["reference.curvature"], "sideslip": learnt})
+
+
+def path_start(u: Signals) -> ca.SX:
+    """The state before the first sample: the course turns steadily."""
+    return PATH.join({"turning": u["reference.speed"] * u["reference.curvature"], "sideslip": ca.SX(0)})
