@@ -23,6 +23,7 @@ _UNITS = {
     **dict.fromkeys(("lateral_", "longitudinal_", "position_", "corridor_"), "m"),
     **dict.fromkeys(("clearance_", "distance_", "last_point_", "road_margin_", "stop_distance"), "m"),
     **{"speed_": "m/s", "impact_speed": "m/s", "saturation_": "s", "final_time": "s", "first_action": "s"},
+    **{"optimum_time": "s", "planned_ahead_": "s", "joint_position_": "m", "joint_speed_": "m/s"},
     **{"residual_force": "N", "residual_moment": "N.m"},
 }
 """Units of metrics by how their names begin."""
@@ -123,7 +124,7 @@ def show(summary: Mapping[str, Any], folder: Path) -> None:
 
 def _readable(name: str, value: float | None) -> tuple[str, str]:
     """Angles in degrees for the reader; the files keep SI."""
-    if name.startswith(("course_", "roll_", "pitch_", "sideslip_", "yaw_")):
+    if name.startswith(("course_", "roll_", "pitch_", "sideslip_", "yaw_", "joint_course_")):
         return "-" if value is None else f"{math.degrees(value):.3f}", "deg"
     unit = next((unit for start, unit in _UNITS.items() if name.startswith(start)), "")
     return "-" if value is None else f"{value:.4f}", unit
