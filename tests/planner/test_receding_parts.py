@@ -180,6 +180,8 @@ def test_onward_is_the_integrated_motion(rate, bend) -> None:
         (wide(BEND, 0.5), {}, r"narrower than the car by 0\.68 m near x = .* m along the road; widen it"),
         (wide(np.vstack([BEND[:2], BEND[1:]])), {}, r"same point twice in a row, row 2; drop one"),
         (wide(np.vstack([loop(), loop()[:1]])), {"road.closed": True}, r"it ends where it began; drop the last row"),
+        (wide(np.vstack([loop(), [[4.0, 0.2]]])), {"road.closed": True}, r"past its start: row 25, .* 4\.0 m"),
+        (wide(np.vstack([loop(), loop()[1:4] + 0.1])), {"road.closed": True}, r"past its start: row 27"),
         (wide(BEND, -1.0), {}, r"negative width in row 1"),
         (wide(BEND, 30.0), {}, r"turns too sharply for its width near .* m along it"),
         (wide(np.column_stack([np.linspace(0, 9e4, 90), np.zeros(90)])), {}, r"has 9001 gates 10 m apart, but .* 2000"),

@@ -9,6 +9,7 @@ from ..frames import into_frames, out_of_frames
 from .layout import INPUTS, STATES
 from .memory import Tail
 from .search import Ahead, Nodes
+from .speed import SLOWEST
 
 Array = NDArray[np.float64]
 _GAIN, _BRAKE = 2.0, 5.0
@@ -32,7 +33,10 @@ def guess(ahead: Ahead, tail: Tail, drive: float) -> Nodes:
 
 
 def _along(x: Array, ahead: Ahead, known: int) -> None:
-    """Fill in the states after the first, which lies on gate `known`."""
+    """Fill in the states after the first, which lies on gate `known`.
+
+    The speed rises gently and brakes, a little harder, only at gates where `ahead.fastest` is less.
+    """
     count = x.shape[1] - 1
     if count == 0:
         return
@@ -42,6 +46,6 @@ def _along(x: Array, ahead: Ahead, known: int) -> None:
     x[1, 1:] = fade * x[1, 0] + (1 - fade) * middle
     for k in range(count):
         square = x[2, k] ** 2
-        least, most = np.sqrt(max(square - 2 * _BRAKE * length[k], 9.0)), np.sqrt(square + 2 * _GAIN * length[k])
+        least, most = np.sqrt(max(square - 2 * _BRAKE * length[k], SLOWEST**2)), np.sqrt(square + 2 * _GAIN * length[k])
         x[2, k + 1] = np.clip(ahead.fastest[known + k + 1], least, most)
     x[5, 1:] = ahead.curvature[known + 1 :] * x[2, 1:]

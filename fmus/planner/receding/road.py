@@ -19,6 +19,8 @@ MOST = 2000
 """Capacity: gates of one road."""
 _HEAD, _COLUMNS = 4, 6
 DERIVED = _HEAD + _COLUMNS * MOST
+_AGAINST = -0.7
+"""Cosine of a corner no road has twice in a row (engineering choice)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,6 +110,18 @@ def _check(rows: Array, closed: bool) -> None:
     if not gaps.all():
         what = "it ends where it began; drop the last row" if closed and gaps[-1] == 0 else "drop one"
         raise ValueError(f"the road has the same point twice in a row, row {1 + int(np.argmin(gaps))}; {what}")
+    if closed and _overshoots(rows[:, :2]):
+        raise ValueError(
+            f"the closed road goes past its start: row {len(rows)}, its last, lies {gaps[-1]:.1f} m beyond row 1, "
+            "to which it is joined; drop the rows past the start"
+        )
+
+
+def _overshoots(points: Array) -> bool:
+    """Whether the way from the last point back to the first goes against the road on both sides of it."""
+    way = np.diff(np.vstack([points[-2:], points[:2]]), axis=0)
+    before, back, after = way / np.hypot(*way.T)[:, None]
+    return bool(max(before @ back, back @ after) < _AGAINST)
 
 
 def to_numbers(road: Road) -> Array:
