@@ -49,14 +49,12 @@ class Change:
     error: float
 
 
-def formation_metrics(
-    results: Results, leaders: Mapping[int, int], hand: float = HAND, headway: float = 0.0, begin: float = 0.0
-) -> dict[str, float]:
+def formation_metrics(results: Results, leaders: Mapping[int, int], begin: float = 0.0) -> dict[str, float]:
     """Metrics per follower, `car2.formation_error_rms`, and the worst of all without a car's name; from `begin` [s] on.
 
     NaN where there is nothing to measure: no follower, no change of formation.
     """
-    of_car = {car: _of_follower(results, car, leaders[car], hand, headway, begin) for car in sorted(leaders)}
+    of_car = {car: _of_follower(results, car, leaders[car], begin) for car in sorted(leaders)}
     names = next(iter(of_car.values()), dict.fromkeys(_NAMES, math.nan))
     worst = {name: _worst([metrics[name] for metrics in of_car.values()]) for name in names}
     singles = {f"car{car}.{name}": value for car, metrics in of_car.items() for name, value in metrics.items()}
@@ -69,10 +67,8 @@ _NAMES = (
 )
 
 
-def _of_follower(
-    results: Results, car: int, leader: int, hand: float, headway: float, begin: float
-) -> dict[str, float]:
-    e = follower_errors(results, car, leader, hand, headway)
+def _of_follower(results: Results, car: int, leader: int, begin: float) -> dict[str, float]:
+    e = follower_errors(results, car, leader)
     late = e.time >= begin
     controlled, position = (np.linalg.norm(z[late], axis=1) for z in (e.hand, e.position))
     changes = [c for c in formation_changes(e, commanded(results, car)) if c.begin >= begin]
@@ -84,8 +80,9 @@ def _of_follower(
     return dict(zip(_NAMES, values, strict=True))
 
 
-def follower_errors(results: Results, car: int, leader: int, hand: float = HAND, headway: float = 0.0) -> Errors:
-    """The errors of `car`, which follows `leader`; `headway` [s] is what its offset grows by with its own speed."""
+def follower_errors(results: Results, car: int, leader: int) -> Errors:
+    """The errors of `car`, which follows `leader`; hand and headway are those its follower was told."""
+    hand, headway = _told(results, car, "hand.distance", HAND), _told(results, car, "headway", 0.0)
     rows = results.instants(f"car{car}.follower")
     own, ahead = pose(results, car, rows), pose(results, leader, rows)
     wanted = offsets(results, car)
@@ -153,6 +150,11 @@ def efforts(results: Results, car: int) -> tuple[Vector, Vector]:
     rows = results.instants(f"car{car}.follower")
     lateral = _speed(results, car, rows) * results[f"car{car}.plant.angular_rate.z"][rows]
     return results.samples(f"car{car}.follower", "command.acceleration"), lateral
+
+
+def _told(results: Results, car: int, variable: str, start: float) -> float:
+    """The value of a parameter of the follower, `start` unless it was set."""
+    return float(results.parameters.get(f"car{car}.follower", {}).get(variable, start))
 
 
 def _speed(results: Results, car: int, rows: np.ndarray) -> Vector:

@@ -11,8 +11,9 @@ A ratio of errors that are sensor noise means nothing: it is NaN unless the erro
 Gamma is the quotient of Fourier coefficients at the lines of a multi-sine, over whole periods after the start has died
 out. The signal is periodic and all lines fit the window, so there is no leakage and no window function, and a
 coefficient has no bias from averaging: for such a signal this is better than a cross-spectral estimate. Lines that were
-not excited carry noise and distortion only; a line counts where the car ahead is `CLEAR` times above them. With the
-coherence that a cross-spectral estimate would show, snr^2/(1 + snr^2), this is a coherence above 0.99.
+not excited carry noise and distortion only; a line counts where the car ahead is `CLEAR` times above them, so that
+noise changes the quotient by a few percent at most. The coherence a cross-spectral estimate would show,
+snr^2/(1 + snr^2), is then above 0.998. Speeds are true states and far less noisy than errors.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from cosim.slave import Vector
 FLOOR = 0.1
 """Largest longitudinal error [m] of the car ahead from which on a ratio means something: an RTK receiver and the filter
 leave a few centimetres."""
-CLEAR = 10.0
+CLEAR = 25.0
 
 
 def ratio_metrics(errors: Mapping[int, Vector], floor: float = FLOOR) -> dict[str, float]:

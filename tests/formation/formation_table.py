@@ -13,11 +13,14 @@ STEP = 0.02
 
 
 def drive(
-    poses: Mapping[int, np.ndarray], offsets: Mapping[int, tuple[float, float]], **columns: np.ndarray
+    poses: Mapping[int, np.ndarray],
+    offsets: Mapping[int, tuple[float, float]],
+    parameters: Mapping[str, float] | None = None,
+    **columns: np.ndarray,
 ) -> Results:
     """Cars with poses x, y, yaw (n, 3) every 20 ms; `offsets` of the followers, constant unless `columns` say else.
 
-    Columns have two underscores for a dot: `car2__follower__formation__x`.
+    `parameters` are those of all followers. Columns have two underscores for a dot: `car2__follower__formation__x`.
     """
     n = len(next(iter(poses.values())))
     table = {"time": STEP * np.arange(n)}
@@ -29,4 +32,5 @@ def drive(
         table |= {f"car{car}.follower.offset.{axis}": np.full(n, offset[i]) for i, axis in enumerate("xy")}
         table |= {f"car{car}.follower.command.acceleration": np.zeros(n)}
     table |= {name.replace("__", "."): column for name, column in columns.items()}
-    return Results(pa.table(table), {f"car{car}.follower": STEP for car in offsets})
+    followers = [f"car{car}.follower" for car in offsets]
+    return Results(pa.table(table), dict.fromkeys(followers, STEP), None, dict.fromkeys(followers, parameters or {}))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +11,8 @@ from formation_table import STEP, drive
 
 from cosim.scenarios import _formation_metrics as metrics
 from cosim.scenarios._distances import Body, distance_metrics, smallest_distance
+from fmukit.interface import load_parameters
+from fmus.controllers.formation import bus
 
 N = 1001
 TIME = STEP * np.arange(N)
@@ -27,11 +30,10 @@ def random_poses(seed: int) -> np.ndarray:
 
 def test_the_error_is_that_of_the_hand_point_in_the_followers_axes() -> None:
     own, leader = random_poses(1), random_poses(2)
-    results = drive({1: leader, 2: own}, {2: (-12.0, 4.0)})
-    found = metrics.follower_errors(results, 2, 1, hand=6.0)
+    found = metrics.follower_errors(drive({1: leader, 2: own}, {2: (-12.0, 4.0)}, {"hand.distance": 7.0}), 2, 1)
     place, ahead = own[:, 0] + 1j * own[:, 1], leader[:, 0] + 1j * leader[:, 1]
     turn, its = np.exp(1j * own[:, 2]), np.exp(1j * leader[:, 2])
-    for a, z in ((6.0, found.hand), (0.0, found.position)):
+    for a, z in ((7.0, found.hand), (0.0, found.position)):
         wanted = (place + a * turn - ahead - its * (-12.0 + a + 4.0j)) / turn
         np.testing.assert_allclose(z, np.column_stack((wanted.real, wanted.imag))[:-1], atol=1e-12)
 
@@ -39,12 +41,12 @@ def test_the_error_is_that_of_the_hand_point_in_the_followers_axes() -> None:
 def test_a_follower_in_its_place_has_no_error_where_it_is_controlled_and_a_known_one_at_O1() -> None:
     """On the leader's circle the hand point can be in its place; the tail then lies 2 a sin(gamma/2) beside its own."""
     leader = circle(100.0, 20.0, 0.0)
-    gamma, a = -0.1, 6.0
+    gamma, a = -0.1, metrics.HAND
     own = circle(100.0, 20.0, gamma)
     p = own[:, 0] + 1j * own[:, 1] + a * np.exp(1j * own[:, 2]) - leader[:, 0] - 1j * leader[:, 1]
     r = p / np.exp(1j * leader[:, 2]) - a
     results = drive({1: leader, 2: own}, {2: (float(r[0].real), float(r[0].imag))})
-    found = metrics.formation_metrics(results, {2: 1}, a)
+    found = metrics.formation_metrics(results, {2: 1})
     assert found["car2.formation_error_max"] < 1e-9
     assert found["position_error_rms"] == pytest.approx(2 * a * math.sin(abs(gamma) / 2), rel=1e-9)
 
@@ -82,9 +84,9 @@ def test_a_place_never_reached_has_no_settling_time_and_headway_is_part_of_the_p
         "car2__follower__formation__x": np.where(TIME > 1, -12.0, -10.0),
         "car2__plant__velocity__x": 20 + 0 * TIME,
     }
-    results = drive({1: leader, 2: own}, {2: (-32.0, 0.0)}, **columns)
-    assert math.isnan(metrics.formation_metrics(results, {2: 1})["settling_time"])
-    assert metrics.formation_metrics(results, {2: 1}, headway=1.0)["settling_time"] == 0.0
+    for headway, unknown in ((0.0, True), (1.0, False)):
+        results = drive({1: leader, 2: own}, {2: (-32.0, 0.0)}, {"headway": headway}, **columns)
+        assert math.isnan(metrics.formation_metrics(results, {2: 1})["settling_time"]) == unknown
 
 
 def test_without_followers_everything_is_unknown() -> None:
@@ -143,3 +145,8 @@ def test_a_touch_in_any_block_of_times_is_seen(monkeypatch: pytest.MonkeyPatch) 
     poses[:, :, 0] = [0.0, -20.0, -40.0]
     poses[63, 2, 0] = -30.0
     assert smallest_distance(poses, CAR) == pytest.approx(10.0 - 4.3)
+
+
+def test_the_hand_point_assumed_is_that_of_the_followers() -> None:
+    file = Path(bus.__file__).with_name("parameters.toml")
+    assert {v.name: v.start for v in load_parameters(file)}["hand.distance"] == metrics.HAND

@@ -71,7 +71,7 @@ def test_lines_in_noise_do_not_count() -> None:
     rng = np.random.default_rng(0)
     time = STEP * np.arange(round(PERIOD / STEP))
     ahead = sum(a * np.sin(w * time) for a, w in zip([1e-1] * 9 + [1e-4], OMEGA, strict=True))
-    noise = 0.03 * rng.standard_normal((2, len(time)))
+    noise = 0.02 * rng.standard_normal((2, len(time)))
     found = gains(1.2 * ahead + noise[0], ahead + noise[1], LINES, 1)
     np.testing.assert_allclose(found[:-1], 1.2, rtol=0.05)
     assert math.isnan(found[-1])

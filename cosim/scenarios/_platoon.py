@@ -1,0 +1,167 @@
+"""Cars in a row on a straight: what disturbs them, when, and the system.
+
+With a time headway h the wanted place of a follower moves back by h times its own speed. In a chain that widens every
+gap, in a star it moves all followers back alike.
+
+`HEADWAY` is the one at which nothing grows. Along the road, the motion of a follower is that of its leader times Gamma,
+
+    1/Gamma = 1 + h s (1 + tau s) + s^2 (1 + tau s)(1 + (tau_r + h) s)/(K s + K_i)
+
+with the lag tau of the speed behind its command, tau_r = `realise.speed_time` and the rate K_i at which the network's
+bias integrates; at low frequency |1/Gamma|^2 = 1 + omega^2 (h^2 - 2 h tau - 2/K_i), so h >= tau + sqrt(tau^2 + 2/K_i).
+
+Across the road, the wanted point at r in the leader's axes swings with its yaw angle, and a hand point a ahead of O1
+answers with y (1 + s a/v): what the law makes of it is multiplied by (1 + s r/v)/(1 + s a/v). With r = a - gap the
+swinging grows from car to car unless a >= gap/2; the hand point is therefore put where the leader is, r = 0.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from cosim.scenario import NumberSetting, Setting, Settings
+from cosim.scenarios import _excitation
+from cosim.scenarios._formation import HEAD, Cars, Change, Law, formation, name
+from cosim.scenarios._formation_scenario import formation_settings
+from cosim.scenarios._plans import kept
+from cosim.scenarios._topology import Place, Spacing, offsets, topology
+from cosim.system import System
+
+SPEED = 25.0
+"""Of the platoon [m/s]; the headway that the gaps begin with is that of this speed."""
+PUSH, BRAKING, MERGE = 4.0, 20.0, 50.0
+"""When [s] the events begin; each has died out when the next one begins."""
+END = 80.0
+SETTLED = END - _excitation.PERIOD
+"""When [s] the answer to the sweep has become periodic."""
+HEADWAY = 1.3
+"""[s]; tau = 0.2 s and K_i = 2/s^2 need 1.22 s."""
+SWEEP = 0.5
+"""Root mean square of the head's acceleration in the sweep [m/s2]; the largest is about 1 m/s2."""
+PUSHED = 3
+_FORCE, _FORCE_TIME = -4000.0, 1.0  # N, s
+_MOVE_IN = 14.0  # s after the gap began to open
+_SAME = 1e-6  # m
+_DURATION = 12.0  # s; a gap of one headway opens so slowly that nobody brakes hard
+_BRAKES = {
+    **{"amplitude": 0.0, "initial_speed": SPEED, "turn.ratio": 0.0},
+    **{"deceleration": 4.0, "deceleration.start": BRAKING, "deceleration.end": BRAKING + 3.5, "deceleration.rise": 0.5},
+    **{"acceleration": 2.0, "acceleration.start": BRAKING + 7, "acceleration.end": BRAKING + 13.5},
+    **{"acceleration.rise": 0.5},
+}
+_LONGEST_HAND = 50.0  # m; what a follower accepts
+LAWS = {"adaptive": ("AdaptiveFollower", False), "constraint": ("ConstraintFollower", True)}
+"""Model, and whether it wants to know its leader's motion."""
+SETTINGS = {
+    **formation_settings(10, "chain"),
+    "topology": Setting("chain", ("chain", "star"), "who follows whom: the car ahead, or all the head"),
+    "headway": NumberSetting(HEADWAY, 0.0, 3.0, "s", "the wanted place moves back by this times the own speed"),
+    "law": Setting("adaptive", tuple(LAWS), "how followers keep their places"),
+    "manoeuvre": Setting(
+        "events", ("events", "push", "braking", "merge", "sweep"), "all events one after another, one of them, or sweep"
+    ),
+}
+
+
+def system(settings: Settings) -> System:
+    """The platoon and what happens to it."""
+    size, gap = int(settings["vehicles"]), Spacing(settings["spacing"], settings["lateral_spacing"])
+    cars = Cars(settings["plant"], reference=_reference(settings))
+    merging = _merging(settings) if happens(settings, "merge") else None
+    timetable = [] if merging is None else _merge(settings, merging)
+    made = formation(size, settings["topology"], _law(settings), timetable, settings, cars, gap)
+    if merging is not None:
+        _place(made, _seen(settings, _beside(settings, merging)))
+    if happens(settings, "push"):
+        _push(made, min(PUSHED, size))
+    return made
+
+
+def happens(settings: Settings, event: str) -> bool:
+    """Whether `event` ("push", "braking", "merge", "sweep") is part of the manoeuvre."""
+    return settings["manoeuvre"] == event or (settings["manoeuvre"] == "events" and event != "sweep")
+
+
+def _law(settings: Settings) -> Law:
+    model, motion = LAWS[settings["law"]]
+    hand = min(_gap(settings), _LONGEST_HAND)
+    return Law(model, motion, {"formation.duration": _DURATION, "hand.distance": hand})
+
+
+def _reference(settings: Settings) -> Mapping[str, float | str]:
+    if happens(settings, "sweep"):
+        return {"trajectory_file": str(_sweep_file())}
+    return _BRAKES if happens(settings, "braking") else {**_BRAKES, "deceleration": 0.0, "acceleration": 0.0}
+
+
+def _sweep_file() -> Path:
+    from fmus.controllers.reference.interface import COLUMNS  # noqa: PLC0415  (lazy: `cosim list`)
+    from fmus.planner.files import write_table  # noqa: PLC0415
+
+    t = np.linspace(0.0, END + 5.0, 3401)
+    speed, rate = _excitation.multisine(t, SWEEP)
+    rows = _excitation.straight(t, SPEED + speed, rate)
+    return kept("platoon-sweep", [rows.tobytes()], lambda file: write_table(COLUMNS, rows, file))
+
+
+def _push(made: System, car: int) -> None:
+    made.at(PUSH, f"{name(car)}plant.body_force.x", _FORCE)
+    made.at(PUSH + _FORCE_TIME, f"{name(car)}plant.body_force.x", 0.0)
+
+
+def _merging(settings: Settings) -> int | None:
+    """The car in the middle, which comes from the lane to the left; none without a follower."""
+    size = int(settings["vehicles"])
+    return max(2, size // 2) if size > 1 else None
+
+
+def _merge(settings: Settings, merging: int) -> Sequence[Change]:
+    """Its followers open the gap beside it, then it moves in."""
+    row = _row(settings)
+    abreast = row | {merging: (row[merging][0], settings["lateral_spacing"])}
+    steps = (_beside(settings, merging), abreast, row)
+    seen = [_seen(settings, places) for places in steps]
+    return [
+        Change(time, {k: after[k] for k in after if math.dist(after[k], before[k]) > _SAME})
+        for time, before, after in zip((MERGE, MERGE + _MOVE_IN), seen[:-1], seen[1:], strict=True)
+    ]
+
+
+def _beside(settings: Settings, merging: int) -> dict[int, Place]:
+    """The cars behind have no gap for it yet; it drives half-way between its neighbours to be."""
+    row, slot = _row(settings), _slot(settings)
+    closed = {k: (x + slot if k > merging else x, y) for k, (x, y) in row.items()}
+    return closed | {merging: (row[merging][0] + 0.5 * slot, settings["lateral_spacing"])}
+
+
+def _row(settings: Settings) -> dict[int, Place]:
+    """Places [m] of all cars behind the head at SPEED."""
+    behind = settings["headway"] * SPEED if settings["topology"] == "star" else 0.0
+    cars = range(1, int(settings["vehicles"]) + 1)
+    return {k: ((1 - k) * _slot(settings) - behind * (k > HEAD), 0.0) for k in cars}
+
+
+def _slot(settings: Settings) -> float:
+    """From car to car [m]."""
+    return _gap(settings) if settings["topology"] == "chain" else float(settings["spacing"])
+
+
+def _gap(settings: Settings) -> float:
+    """From the head to the first follower, O1 to O1 [m]."""
+    return float(settings["spacing"] + settings["headway"] * SPEED)
+
+
+def _seen(settings: Settings, places: Mapping[int, Place]) -> dict[int, Place]:
+    """The offsets that give these places; the headway, which followers add by themselves, is taken out."""
+    found = offsets(topology(settings["topology"]).leaders(int(settings["vehicles"])), places)
+    return {k: (x + settings["headway"] * SPEED, y) for k, (x, y) in found.items()}
+
+
+def _place(made: System, seen: Mapping[int, Place]) -> None:
+    for k, place in seen.items():
+        values = made.instances[f"{name(k)}follower"].parameters
+        values |= {f"formation.{axis}": place[i] for i, axis in enumerate("xy")}

@@ -1,0 +1,83 @@
+"""Whether disturbances grow along a platoon: each event is looked at by itself."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from cosim.results import Results
+from cosim.scenarios import _platoon
+from cosim.scenarios._distances import distance_metrics
+from cosim.scenarios._excitation import LINES, PERIOD
+from cosim.scenarios._formation import HEAD
+from cosim.scenarios._formation_metrics import Errors, follower_errors, formation_metrics
+from cosim.scenarios._formation_scenario import leaders
+from cosim.scenarios._string_stability import gain_metrics, ratio_metrics
+from cosim.scenarios._tracking_metrics import peak
+from cosim.slave import Vector
+
+_INSTANT = 1e-6  # s
+
+
+def platoon_metrics(results: Results) -> dict[str, float]:
+    """Metrics in SI units; ratios are those while the head brakes and accelerates, or of the sweep.
+
+    NaN where a run ended before what is measured was over.
+    """
+    follows = leaders(results.settings)
+    errors = {k: follower_errors(results, k, leader) for k, leader in follows.items()}
+    return {
+        **formation_metrics(results, follows),
+        **distance_metrics(results, (HEAD, *follows)),
+        **_pushed(results, errors),
+        **_ratios(results, errors),
+        **_gains(results, errors),
+    }
+
+
+def _pushed(results: Results, errors: Mapping[int, Errors]) -> dict[str, float]:
+    """Largest error of the pushed car, of all before and of all behind it, until the head brakes."""
+    if not _platoon.happens(results.settings, "push"):
+        return {}
+    if not _over(results, _platoon.BRAKING):
+        errors = {}
+    sizes = {k: peak(during(results, e, _platoon.PUSH, _platoon.BRAKING)[:, 0]) for k, e in errors.items()}
+    car = _platoon.PUSHED
+    return {
+        "push_error_max": sizes.get(car, math.nan),
+        "push_error_ahead_max": max((v for k, v in sizes.items() if k < car), default=math.nan),
+        "push_error_behind_max": max((v for k, v in sizes.items() if k > car), default=math.nan),
+    }
+
+
+def _ratios(results: Results, errors: Mapping[int, Errors]) -> dict[str, float]:
+    if _platoon.happens(results.settings, "braking"):
+        begin, end = _platoon.BRAKING, _platoon.MERGE
+    elif _platoon.happens(results.settings, "sweep"):
+        begin, end = _platoon.SETTLED, _platoon.END
+    else:
+        return {}
+    return ratio_metrics({k: during(results, e, begin, end) for k, e in errors.items()})
+
+
+def _gains(results: Results, errors: Mapping[int, Errors]) -> dict[str, float]:
+    """Amplification by frequency: of errors from car 3 on, of speeds from car 2 on."""
+    if not _platoon.happens(results.settings, "sweep") or not _over(results, _platoon.END):
+        return {}
+    late = {k: during(results, e, _platoon.SETTLED, _platoon.END)[:, 0] for k, e in errors.items()}
+    rows = results.instants(f"car{max(errors)}.follower") if errors else np.zeros(0, int)
+    rows = rows[results.time[rows] >= _platoon.SETTLED - _INSTANT]
+    speeds = {k: np.asarray(results[f"car{k}.plant.velocity.x"][rows]) for k in (HEAD, *errors) if len(rows)}
+    return gain_metrics(late, speeds, LINES, round((_platoon.END - _platoon.SETTLED) / PERIOD))
+
+
+def during(results: Results, e: Errors, begin: float, end: float) -> Vector:
+    """z (n, 2) [m] of the hand point from `begin` to before `end` [s]; empty when the run ended earlier."""
+    within = (e.time >= begin - _INSTANT) & (e.time < end - _INSTANT)
+    return e.hand[within & _over(results, end)]
+
+
+def _over(results: Results, end: float) -> bool:
+    return bool(results.time[-1] >= end - _INSTANT)

@@ -1,0 +1,21 @@
+"""Ten cars in a row: a push, the head brakes and accelerates, a car moves in; or the head excites all frequencies."""
+
+from cosim.scenario import Scenario
+from cosim.scenarios import _platoon
+from cosim.scenarios._catalogue import fmu_path
+from cosim.scenarios._formation_scenario import complete, draw
+from cosim.scenarios._platoon_metrics import platoon_metrics
+
+SCENARIO = Scenario(
+    name="platoon",
+    title="Cars in a row: one is pushed, the first one brakes, one moves in; do disturbances grow from car to car?",
+    figures="chapter 5 (no figure)",
+    stop_time=_platoon.END,
+    build=_platoon.system,
+    complete=complete,
+    find=fmu_path,
+    metrics=platoon_metrics,
+    draw=draw,
+    record_every=0.02,
+    settings=_platoon.SETTINGS,
+)
