@@ -9,9 +9,10 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
+from cosim.display import show
 from cosim.results import Results
 from cosim.scenarios import _arbitrary_road
-from cosim.scenarios._arbitrary_path_metrics import crossing, optimal_time, violation
+from cosim.scenarios._arbitrary_path_metrics import crossing, optimal_time, planned_ahead, violation
 
 LENGTH, COURSE, SPEED = 100.0, 0.5, 20.0
 AHEAD, LEFT = np.array([np.cos(COURSE), np.sin(COURSE)]), np.array([-np.sin(COURSE), np.cos(COURSE)])
@@ -92,6 +93,20 @@ def test_a_hairpin_is_compared_with_its_own_optimum(scenario_run, tmp_path: Path
     assert metrics["final_time"] == pytest.approx(metrics["final_time_planned"], abs=0.05)
     assert 1.0 <= metrics["optimum_ratio"] <= 1.05
     assert metrics["corridor_violation_max"] <= 0.3, "the plan cuts the corner between its gates"
+
+
+def test_nothing_left_to_plan_is_no_time_planned_ahead() -> None:
+    """A drive that begins when all is planned."""
+    time = np.arange(0.0, 1.0, 0.02)
+    table = {"time": time, "planner.plan.phase": np.ones_like(time), "planner.plan.end_time": 5.0 + time}
+    assert np.isnan(planned_ahead(Results(pa.table(table), {"planner": 0.02})))
+
+
+def test_times_and_jumps_are_shown_with_their_units(scenario_run, capsys: pytest.CaptureFixture[str]) -> None:
+    show(scenario_run("arbitrary-path")[0], Path())
+    lines = capsys.readouterr().out.splitlines()
+    for name, unit in (("optimum_time", "s"), ("planned_ahead_min", "s"), ("joint_course_max", "deg")):
+        assert [line.split()[5] for line in lines if name in line] == [unit]
 
 
 def test_drawn_edges_are_those_of_the_file(straight: str) -> None:
