@@ -22,7 +22,7 @@ Curve = Callable[[Results, int], tuple[Vector, Vector]]
 """Of a car: times and values."""
 
 
-def draw_overview(results: Results, file: Path, title: str, leaders: Mapping[int, int], headway: float) -> None:
+def draw_overview(results: Results, file: Path, title: str, leaders: Mapping[int, int]) -> None:
     """Draw all panels and save them to `file`; `leaders` says who follows whom."""
     cars = (1, *leaders)
     panels = [
@@ -30,7 +30,7 @@ def draw_overview(results: Results, file: Path, title: str, leaders: Mapping[int
         _curves("yaw rate", "rad/s", cars, _column("plant.angular_rate.z")),
     ]
     if leaders:
-        errors = {k: follower_errors(results, k, leader, headway=headway) for k, leader in leaders.items()}
+        errors = {k: follower_errors(results, k, leader) for k, leader in leaders.items()}
         panels = [*_kept(errors), *panels, *_places(leaders), *_told(leaders)]
     draw_page(results, file, title, lambda r, axes: _paths(r, axes, cars), panels, path_rows=2)
 
@@ -70,7 +70,7 @@ def _places(leaders: Mapping[int, int]) -> list[Panel]:
         def curve(results: Results, k: int) -> tuple[Vector, Vector]:
             rows = results.instants(f"car{k}.follower")
             own, ahead = pose(results, k, rows), pose(results, leaders[k], rows)
-            return results.time[rows], -error(ahead, own, np.zeros(2), 0.0)[:, axis]
+            return results.time[rows], -error(ahead, own, np.zeros((len(rows), 2)), 0.0)[:, axis]
 
         return curve
 

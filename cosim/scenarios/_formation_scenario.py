@@ -10,12 +10,14 @@ from cosim.results import Results
 from cosim.scenario import NumberSetting, Scenario, Setting, Settings
 from cosim.scenarios._catalogue import fmu_path
 from cosim.scenarios._distances import distance_metrics
-from cosim.scenarios._formation import HEAD, PLANTS, Cars, Law, change_of_shape, formation
-from cosim.scenarios._formation_metrics import HAND, follower_errors, formation_metrics
+from cosim.scenarios._formation import HEAD, PLANTS, Cars, Law, change_of_shape, formation, name
+from cosim.scenarios._formation_leads import tell_the_leads
+from cosim.scenarios._formation_metrics import follower_errors, formation_metrics
 from cosim.scenarios._formation_start import start_in_formation
 from cosim.scenarios._sensors import SETTINGS
 from cosim.scenarios._string_stability import ratio_metrics
 from cosim.scenarios._topology import TOPOLOGIES, Spacing, topology
+from cosim.scenarios._tracking import tell_the_actuator
 from cosim.system import System
 
 MOST = 100
@@ -44,21 +46,21 @@ def formation_settings(vehicles: int, kind: str) -> dict[str, Setting | NumberSe
 def weaving(width: float) -> dict[str, float]:
     """Parameters of ReferenceTrajectory: from 20 to 30 m/s, while four bends of `width` [s] weave left and right.
 
-    At 25 m/s the yaw rate of a bend is 0.12 rad/s.
+    At 25 m/s the yaw rate of a bend is 0.12 rad/s (engineering choice, like all of it).
     """
     return {
         **{"initial_speed": 20.0, "acceleration": 1.0, "deceleration": 0.0},
         **{"acceleration.start": 2.0, "acceleration.end": 13.0, "acceleration.rise": 1.0},
-        **{"amplitude": 3.0, "weave.start": 3.0, "weave.width": width, "weave.rise": 1.5, "turn.ratio": 0.0},
+        **{"amplitude": 3.0, "weave.start": 3.0, "weave.width": width, "weave.rise": 0.4 * width, "turn.ratio": 0.0},
     }
 
 
 def formation_scenario(
-    name: str, title: str, figures: str, stop_time: float, *, law: Law, cars: Cars, kind: str, shapes: Shapes = ()
+    called: str, title: str, figures: str, stop_time: float, *, law: Law, cars: Cars, kind: str, shapes: Shapes = ()
 ) -> Scenario:
     """A formation of four cars that changes its shape at given times."""
     return Scenario(
-        name=name,
+        name=called,
         title=title,
         figures=figures,
         stop_time=stop_time,
@@ -80,8 +82,11 @@ def formation_system(settings: Settings, law: Law, cars: Cars, shapes: Shapes) -
 
 
 def complete(system: System, settings: Settings) -> None:
-    """What follows from the user's values: where the cars start, and what the head assumes of its low level."""
+    """What follows from the user's values: where the cars start, and what they are told of their own delays."""
     start_in_formation(system, leaders(settings), settings["initial_error"])
+    if f"{name(HEAD)}llc" in system.instances:
+        tell_the_actuator(system, name(HEAD))
+    tell_the_leads(system, leaders(settings))
 
 
 def leaders(settings: Settings) -> Mapping[int, int]:
@@ -95,10 +100,10 @@ def _spacing(settings: Settings) -> Spacing:
 
 def metrics(results: Results) -> dict[str, float]:
     """How well every follower kept its place, the smallest distance, and whether errors grow from car to car."""
-    follows, headway = leaders(results.settings), results.settings["headway"]
-    errors = {k: follower_errors(results, k, leader, HAND, headway).hand for k, leader in follows.items()}
+    follows = leaders(results.settings)
+    errors = {k: follower_errors(results, k, leader).hand for k, leader in follows.items()}
     return {
-        **formation_metrics(results, follows, HAND, headway),
+        **formation_metrics(results, follows),
         **distance_metrics(results, (HEAD, *follows)),
         **ratio_metrics(errors),
     }
@@ -108,4 +113,4 @@ def draw(results: Results, file: Path, title: str) -> None:
     """overview.png."""
     from cosim.scenarios._formation_overview import draw_overview  # noqa: PLC0415  (slow to import)
 
-    draw_overview(results, file, title, leaders(results.settings), results.settings["headway"])
+    draw_overview(results, file, title, leaders(results.settings))

@@ -9,7 +9,6 @@ from cosim.errors import CosimError
 from cosim.scenarios._formation import HEAD, name
 from cosim.scenarios._start import first_point, start_at, start_on_reference
 from cosim.scenarios._topology import Place
-from cosim.scenarios._tracking import tell_the_actuator
 from cosim.system import System
 
 _BESIDE: tuple[Place, ...] = ((-1.0, 0.5), (0.6, -1.0), (-0.4, -0.8), (0.8, 0.7))
@@ -23,8 +22,6 @@ def start_in_formation(system: System, leaders: Mapping[int, int], error: float)
     """
     head = name(HEAD)
     start_on_reference(system, car=head)
-    if f"{head}llc" in system.instances:
-        tell_the_actuator(system, head)
     x, y, course, speed = first_point(system, head)
     c, s = math.cos(course), math.sin(course)
     for k, place in starts(system, leaders, speed).items():

@@ -8,7 +8,7 @@ SCENARIO = formation_scenario(
     "Followers held by constraint forces, from diamond to line to left wedge, 20 to 30 m/s",
     "Figs. 5.4, 5.5",
     40.0,
-    law=Law("ConstraintFollower", motion=True),
+    law=Law("ConstraintFollower", motion=True, parameters={"omega_n": 1.5}),
     cars=Cars(reference=weaving(8.0)),
     kind="diamond",
     shapes=((15.0, "line"), (30.0, "left-wedge")),
