@@ -39,7 +39,7 @@ END = 80.0
 SETTLED = END - _excitation.PERIOD
 """When [s] the answer to the sweep has become periodic."""
 HEADWAY = 1.3
-"""[s]; tau = 0.2 s and K_i = 2/s^2 need 1.22 s."""
+"""[s]; with tau = 0.2 s and K_i = 2.3/s^2 slow motions need 1.15 s and all frequencies 1.21 s."""
 SWEEP = 0.5
 """Root mean square of the head's acceleration in the sweep [m/s2]; the largest is about 1 m/s2."""
 PUSHED = 3

@@ -10,25 +10,18 @@ import math
 import numpy as np
 import pytest
 from chain_model import Law, largest, simulate, transfer
+from head_motion import OMEGA, SETTLE, braking, swept
 
-from cosim.scenarios._excitation import LINES, PERIOD, multisine, straight
+from cosim.scenarios._excitation import LINES, PERIOD
 from cosim.scenarios._string_stability import gain_metrics, gains, ratio, ratio_metrics
 
-OMEGA = 2 * np.pi * np.array(LINES) / PERIOD
-SETTLE = 30.0
 FOLLOWERS = 4
 STEP = 0.02
-TIME = STEP / 2 * np.arange(round((SETTLE + PERIOD) / (STEP / 2)) + 2)
 
 
 def sweep(law: Law, star: bool = False):
     """The last whole period of a drive whose head is excited; every 20 ms."""
-    rate_at = straight(TIME, *multisine(TIME, 0.5))
-
-    def head(t: float) -> tuple[float, float]:
-        return float(np.interp(t, TIME, rate_at[:, 1])), float(np.interp(t, TIME, rate_at[:, 4]))
-
-    drive = simulate(law, head, FOLLOWERS, SETTLE + PERIOD, star, STEP)
+    drive = simulate(law, swept(0.5), FOLLOWERS, SETTLE + PERIOD, star, STEP)
     late = drive.time >= SETTLE - 1e-9
     return drive.errors[late], drive.speeds[late]
 
@@ -112,16 +105,6 @@ def test_amplification_by_five_percent_needs_little_more_than_half_of_that_headw
         lag: next(h for h in np.arange(0, 1.2, 0.01) if largest(Law(headway=h, lag=lag)) <= 1.05) for lag in (0, 0.2)
     }
     assert table == pytest.approx({0: 0.53, 0.2: 0.59})
-
-
-def braking(t: float) -> tuple[float, float]:
-    """The head takes back 8 m/s with 4 m/s2 after 2 s, and accelerates again after 15 s."""
-    speed = -np.interp(t, [0, 2, 4, 15, 19], [0, 0, 8, 8, 0])
-    knots = np.array([0, 2, 4, 15, 19])
-    way = np.array([0, 0, -8, -96, -112.0])
-    i = int(np.clip(np.searchsorted(knots, t, side="right") - 1, 0, 4))
-    start = -np.interp(knots[i], knots, [0, 0, 8, 8, 0])
-    return float(way[i] + 0.5 * (start + speed) * (t - knots[i])), float(speed)
 
 
 def ratios(law: Law, star: bool = False, followers: int = 9) -> list[tuple[float, float]]:
