@@ -52,7 +52,7 @@ def check(done: Counter[str], sequences: int) -> None:
     """The sequences were run, and reached what they are meant to reach."""
     assert done["sequences"] >= sequences
     assert done["calls"] > 10 * sequences
-    assert done["steps"] > sequences / 2  # few where sequences are few: those of 40 vary between 40 and 500
+    assert done["steps"] > sequences / 10  # forty sequences hold between 15 and 500: the draws change with the sources
     assert done["refused"] > sequences
 
 
