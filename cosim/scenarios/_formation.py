@@ -19,6 +19,8 @@ from cosim.system import System
 HEAD = 1
 PLANTS = {"16dof": "Vehicle16Dof", "double-track": "DoubleTrack", "unicycle": "Unicycle"}
 Values = Mapping[str, Value]
+LAGS: Values = {"speed.lag": 0.1, "yaw_rate.lag": 0.1}
+"""Of a unicycle: about what the other plants take with their low-level controller (engineering choice)."""
 LOW_LEVEL: Values = {"filter.speed": 60.0}
 """Of all cars: a delay of 3/60 s instead of 3/20 s. A follower closes a loop around the speed, in which every delay
 counts; its commands are smooth by themselves."""
@@ -134,7 +136,7 @@ def _hear_head(system: System, settings: Settings, k: int) -> None:
 def _add_car(system: System, settings: Settings, cars: Cars, car: str, brain: str) -> None:
     """Plant, sensors, filter, and between plant and `brain` the low-level controller, which a unicycle has not."""
     plant = f"{car}plant"
-    system.add(plant, PLANTS[cars.plant])
+    system.add(plant, PLANTS[cars.plant], LAGS if cars.plant == "unicycle" else {})
     add_sensors(system, settings, car, sprung=cars.plant == "16dof")
     if cars.plant == "unicycle":
         system.connect(f"{car}{brain}", plant)

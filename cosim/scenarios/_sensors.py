@@ -24,7 +24,7 @@ TRUE_STATES = {"estimate.": "", "estimate.yaw_rate": "angular_rate.z"}
 
 
 def add_sensors(system: System, settings: Settings, car: str = "", *, sprung: bool = True) -> None:
-    """`imu`, `gps` and `filter`, which knows their profiles, on the `plant` of the car; a planar one is not `sprung`."""
+    """`imu`, `gps` and `filter`, which knows their profiles, on the car's `plant`; a planar one is not `sprung`."""
     from fmus.estimator.profiles import profile as filter_profile  # noqa: PLC0415  (lazy: `cosim list`)
     from fmus.sensors.gps.profiles import profile as gps_profile  # noqa: PLC0415
     from fmus.sensors.imu.profiles import profile as imu_profile  # noqa: PLC0415
