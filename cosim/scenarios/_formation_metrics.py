@@ -133,7 +133,7 @@ def formation_changes(e: Errors, command: Vector | None, settled: float = SETTLE
     far, size = np.linalg.norm(e.place, axis=1), np.linalg.norm(e.hand, axis=1)
     return [
         Change(float(e.time[i]), settling(e.time[i:j], far[i:j], settled), peak(size[i:j]))
-        for i, j in zip(jumps, ends, strict=True)
+        for i, j in zip(jumps, ends, strict=False)  # no jump, no change
     ]
 
 
