@@ -38,8 +38,14 @@ PUSH, BRAKING, MERGE = 4.0, 20.0, 50.0
 END = 80.0
 SETTLED = END - _excitation.PERIOD
 """When [s] the answer to the sweep has become periodic."""
-HEADWAY = 1.3
-"""[s]; with tau = 0.2 s and K_i = 2.3/s^2 slow motions need 1.15 s and all frequencies 1.21 s."""
+HEADWAY = 1.0
+"""[s]; with K = 3/s and K_i = 5.2/s2 a lag of the speed of 0.1 s needs 0.77 s, one of 0.2 s 0.91 s."""
+GAIN = 3.0
+_FIRM = {"gain": GAIN, "adaptation.output": GAIN**2 / 7.0, "adaptation.hidden": GAIN**2 / 14.0}
+"""K, F and G of adaptive followers: firmer than their start values, which halves errors and headway."""
+_TOLD = {"gain": 2.0, "adaptation.output": 0.01, "adaptation.hidden": 0.005, "bias.own_speed": False}
+"""The same while they are told the head's speed, which makes errors small but not their ratio: that is T of the law, so
+it takes a network that learns slowly and a gain that the lags leave well damped. The network begins with nothing."""
 SWEEP = 0.5
 """Root mean square of the head's acceleration in the sweep [m/s2]; the largest is about 1 m/s2."""
 PUSHED = 3
@@ -89,7 +95,8 @@ def happens(settings: Settings, event: str) -> bool:
 def _law(settings: Settings) -> Law:
     model, motion = LAWS[settings["law"]]
     hand = min(_gap(settings), _LONGEST_HAND)
-    return Law(model, motion, {"formation.duration": _DURATION, "hand.distance": hand})
+    own = {} if motion else {**_FIRM, **(_TOLD if settings["feedforward"] == "on" else {})}
+    return Law(model, motion, {"formation.duration": _DURATION, "hand.distance": hand, **own})
 
 
 def _reference(settings: Settings) -> Mapping[str, float | str]:

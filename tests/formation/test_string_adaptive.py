@@ -10,17 +10,18 @@ from chain_adaptive import Adaptive, simulate, transfer
 from head_motion import OMEGA, SETTLE, braking, swept
 
 from cosim.scenarios._excitation import LINES, PERIOD
-from cosim.scenarios._platoon import HEADWAY
+from cosim.scenarios._platoon import GAIN, HEADWAY
 from cosim.scenarios._string_stability import gains, ratio
 
 FREQUENCIES = np.logspace(-3, 2, 20001)
+FIRM = {"gain": GAIN, "output": GAIN**2 / 7, "hidden": GAIN**2 / 14}
 
 
 @pytest.mark.parametrize("headway", [0.0, HEADWAY])
 @pytest.mark.parametrize("acceleration", [0.02, 0.5])
 def test_the_network_passes_a_sweep_on_as_the_linear_law_does(headway: float, acceleration: float) -> None:
     """The bias integrates with K_i = F sigma'(sigma - sigma' a) = 2.3/s2; the hidden weights hardly matter."""
-    law = Adaptive(headway=headway)
+    law = Adaptive(headway=headway, lag=0.1)
     drive = simulate(law, swept(acceleration), 3, SETTLE + PERIOD)
     late = drive.speeds[drive.time >= SETTLE - 1e-9]
     for k in range(3):
@@ -45,16 +46,16 @@ def test_the_headway_at_which_nothing_grows(lag: float, output: float) -> None:
 
 
 def test_the_headway_of_the_platoon_is_beyond_that() -> None:
-    """With the lag of 0.2 s nothing grows; with 0.3 s little."""
-    assert Adaptive().integral == pytest.approx(2.3, abs=0.1)
+    """With a lag of 0.1 or 0.2 s nothing grows; with 0.3 s little."""
+    assert Adaptive(**FIRM).integral == pytest.approx(5.2, abs=0.1)
     for lag, bound in ((0.1, 1.0), (0.2, 1.0), (0.3, 1.02)):
-        assert np.abs(transfer(Adaptive(lag=lag, headway=HEADWAY), FREQUENCIES)).max() <= bound + 1e-9
+        assert np.abs(transfer(Adaptive(**FIRM, lag=lag, headway=HEADWAY), FREQUENCIES)).max() <= bound + 1e-9
 
 
 def test_braking_grows_along_ten_cars_without_headway_and_not_with_it() -> None:
-    def ratios(headway: float) -> list[float]:
-        errors = simulate(Adaptive(headway=headway), braking, 9, 50.0).errors
+    def ratios(headway: float, **law: float) -> list[float]:
+        errors = simulate(Adaptive(headway=headway, **law), braking, 9, 50.0).errors
         return [value for k in range(1, 9) for value in ratio(errors[:, k], errors[:, k - 1], 1e-6)]
 
     assert min(ratios(0.0)) > 1.3
-    assert max(ratios(HEADWAY)) <= 1.0
+    assert max(ratios(HEADWAY, **FIRM)) <= 1.0
