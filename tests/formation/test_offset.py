@@ -79,3 +79,17 @@ def test_a_target_that_never_rests_is_followed_by_the_stable_filter() -> None:
 def test_an_unchanged_target_is_rest() -> None:
     rows = _run([(-12.0, 4.0)] * 10, start=(-12.0, 4.0))
     assert rows.tolist() == [[[-12.0, 0.0, 0.0], [4.0, 0.0, 0.0]]] * 10
+
+
+@pytest.mark.parametrize("way", [1.0, 24.0, 60.0, 1e5])
+def test_far_places_take_longer_so_that_speed_and_acceleration_stay_small(way: float) -> None:
+    state, target = ca.SX.sym("x", offset.STATES.size), ca.SX.sym("target", 2)
+    duration = ca.Function("duration", [state, target], [offset.unhurried(state, target, ca.SX(6.0), 10.0, 4.0)])
+    here = ca.evalf(offset.start(ca.SX.zeros(2)))
+    T_long = float(duration(here, [0.6 * way, 0.8 * way]))
+    t = np.linspace(0.0, T_long, 20001)
+    quintic = BPoly.from_derivatives([0.0, T_long], [[0.0, 0.0, 0.0], [way, 0.0, 0.0]])
+    speed, acceleration = (np.abs(quintic(t, nu=order)).max() for order in (1, 2))
+    assert speed <= 10.0 * 1.0001
+    assert acceleration <= 4.0 * 1.0001
+    assert T_long == 6.0 or max(speed / 10.0, acceleration / 4.0) > 0.999

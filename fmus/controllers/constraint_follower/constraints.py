@@ -25,15 +25,14 @@ COORDINATES = 3
 """Coordinates of a vehicle: h_x [m], h_y [m], psi [rad]."""
 REGULARISATION = 1e-6
 """Added to the diagonal, for rows of length about one."""
-DEPENDENT = 1e-4
-"""A pivot below it, the squared sine between a row and those before it, counts as dependent."""
+INDEPENDENT = 1e-4
+"""Squared length above which a direction counts as reached by rows of length about one."""
 
 
 class Multipliers(NamedTuple):
-    """lambda (m), pivots of the factorisation (m), and what the rows lack of the acceleration asked for (m)."""
+    """lambda (m), and what the rows lack of the acceleration they ask for (m)."""
 
     value: ca.SX
-    pivots: ca.SX
     residual: ca.SX
 
 
@@ -82,12 +81,20 @@ def multipliers(G: ca.SX, b: ca.SX) -> Multipliers:
     Positive definite for every G: dependent and contradictory rows give the compromise of least squares, whose
     residual is eps lambda, and a row switched off (zero in G and b) has lambda zero.
     """
-    x, pivots = solve(G @ G.T + REGULARISATION * ca.SX.eye(G.shape[0]), b)
-    return Multipliers(x, pivots, REGULARISATION * x)
+    x = solve(G @ G.T + REGULARISATION * ca.SX.eye(G.shape[0]), b)
+    return Multipliers(x, REGULARISATION * x)
 
 
-def solve(A: ca.SX, b: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """(A^-1 b, pivots) of a symmetric positive definite matrix (m x m) by A = L D L', written out."""
+def rank(G: ca.SX) -> ca.SX:
+    """How many independent rows G (m x 2) has: the eigenvalues of G'G, squares of its singular values, that count."""
+    M = G.T @ G
+    middle = 0.5 * (M[0, 0] + M[1, 1])
+    apart = ca.sqrt((0.5 * (M[0, 0] - M[1, 1])) ** 2 + M[0, 1] ** 2)
+    return (middle + apart > INDEPENDENT) + (middle - apart > INDEPENDENT)
+
+
+def solve(A: ca.SX, b: ca.SX) -> ca.SX:
+    """A^-1 b of a symmetric positive definite matrix (m x m) by A = L D L', written out."""
     m = A.shape[0]
     L, d = ca.SX.eye(m), ca.SX.zeros(m)
     x = ca.densify(b)
@@ -100,7 +107,7 @@ def solve(A: ca.SX, b: ca.SX) -> tuple[ca.SX, ca.SX]:
     for j in reversed(range(m)):
         for i in range(j):
             x[i] -= L[j, i] * x[j]
-    return x, d
+    return x
 
 
 def formation(edges: Iterable[tuple[int, int]], vehicles: int) -> ca.Function:

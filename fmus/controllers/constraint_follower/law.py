@@ -29,13 +29,14 @@ class Own(NamedTuple):
 
 
 class Asked(NamedTuple):
-    """u = (v', omega') wanted [m/s2, rad/s2]; rows C, multipliers, residual and pivots (6 each), which are on (6)."""
+    """u = (v', omega') wanted [m/s2, rad/s2]; C and multipliers (6 each), which rows are on (6), and their rank."""
 
     acceleration: ca.SX
     yaw_acceleration: ca.SX
     C: ca.SX
     multipliers: constraints.Multipliers
     on: ca.SX
+    rank: ca.SX
 
 
 def own(p: Signals, u: Signals, speed: ca.SX, yaw_rate: ca.SX) -> Own:
@@ -60,23 +61,29 @@ def ask(p: Signals, me: Own, leader: Motion, place: Motion, path: Motion, heard:
     scale = on * length
     correction = _within(p["omega_n"] ** 2 * scale * C, p["limit.correction"])
     damping = 2 * p["zeta"] * p["omega_n"]
-    n = constraints.drift(me.q[2], me.velocity, me.yaw_rate, a)
-    G = ca.diag(scale) @ W @ constraints.directions(me.q[2], a)
-    b = scale * (W @ n + gamma + damping * rate) + correction
+    n, B = constraints.drift(me.q[2], me.velocity, me.yaw_rate, a), constraints.directions(me.q[2], a)
+    tau = heard * (ca.sum1(on) > 0) * _along_with(me, leader, n, a, damping)
+    G = ca.diag(scale) @ W @ B
+    b = scale * (W @ (B @ tau + n) + gamma + damping * rate) + correction
     found = constraints.multipliers(G, b)
-    wanted = -G.T @ found.value
-    return Asked(wanted[0], wanted[1] / a, length * C, found, on)
+    wanted = tau - G.T @ found.value
+    return Asked(wanted[0], wanted[1] / a, length * C, found, on, constraints.rank(G))
+
+
+def _along_with(me: Own, leader: Motion, n: ca.SX, a: ca.SX, damping: ca.SX) -> ca.SX:
+    """tau [m/s2] (2): the hand takes up the motion of the leader's, wherever constraints leave it free."""
+    e = ca.vertcat(ca.cos(leader.place[2]), ca.sin(leader.place[2]))
+    turn, turn_rate = leader.rate[2], leader.acceleration[2]
+    velocity = leader.rate[:2] + a * turn * hand.S @ e
+    acceleration = leader.acceleration[:2] + a * (turn_rate * hand.S @ e - turn**2 * e)
+    wanted = acceleration - damping * (me.rate[:2] - velocity)
+    return hand.rotation(me.q[2]).T @ (wanted - n[:2])
 
 
 def switches(p: Signals, heard: ca.SX) -> ca.SX:
     """Which rows are on (6), 0 or 1."""
     kinds = {kind: p[f"constraint.{kind}"] * (1 if kind == "trajectory" else heard) for kind in KINDS}
     return ca.vertcat(*(kinds[kind] for kind in KINDS for _ in range(_ROWS_OF[kind])))
-
-
-def deficiency(asked: Asked) -> ca.SX:
-    """How many of the rows that are on depend on those before."""
-    return ca.sum1(asked.on * (asked.multipliers.pivots < constraints.DEPENDENT))
 
 
 def error(p: Signals, asked: Asked) -> ca.SX:

@@ -1,12 +1,13 @@
 """How the leader moves now, from its messages: pose, velocity and yaw rate as sent, accelerations by a filter.
 
-The body velocities and the yaw rate w = (v_x, v_y, omega) are followed by polynomials of second degree whose past is
-forgotten exponentially. The critically damped filter that fits them corrects (w, w', w'') at a message, Delta after
-the one before, by its innovation times
+Body velocity, yaw rate and what the head broadcasts, w = (v_x, v_y, omega, v_head), are followed by polynomials of
+second degree whose past is forgotten exponentially. The critically damped filter that fits them corrects (w, w', w'')
+at a message, Delta after the one before, by its innovation times
 
     g = 1 - theta^3,   h = 3/2 (1 - theta)^2 (1 + theta)/Delta,   k = (1 - theta)^3/Delta^2,   theta = exp(-Delta/tau)
 
-Between messages all is carried forward, and a message is carried over its age before it is compared.
+Between messages all is carried forward, and a message is carried over its age before it is compared. The broadcast of
+the head is taken to be as old as the message.
 """
 
 from __future__ import annotations
@@ -23,9 +24,9 @@ STATES = Layout(
     age=1,  # of the newest message [s]
     position=2,  # of O1 [m]
     yaw=1,  # [rad]
-    w=3,  # (v_x, v_y, omega) [m/s, m/s, rad/s]
-    rate=3,  # w' [m/s2, m/s2, rad/s2]
-    curve=3,  # w'' [m/s3, m/s3, rad/s3]
+    w=4,  # (v_x, v_y, omega, broadcast speed of the head) [m/s, m/s, rad/s, m/s]
+    rate=4,  # w'
+    curve=4,  # w''
 )
 _SAME = 1e-3  # s; messages taken so close together are one
 Parts = dict[str, ca.SX]
@@ -72,14 +73,20 @@ def gains(between: ca.SX, tau: ca.SX) -> ca.SX:
     return ca.vertcat(1 - theta**3, rate, ((1 - theta) / between) ** 2 * (1 - theta))
 
 
-def motion(state: ca.SX) -> Motion:
+def rates(p: Signals, state: ca.SX) -> ca.SX:
+    """(v_x', v_y', omega') (3); with feedforward.enabled the leader speeds up as the head of the formation does."""
+    rate = STATES.split(state)["rate"]
+    return ca.vertcat(ca.if_else(p["feedforward.enabled"], rate[3], rate[0]), rate[1:3])
+
+
+def motion(p: Signals, state: ca.SX) -> Motion:
     """Motion of O1: p' = R v, p'' = R (v' + omega S v), v in body axes."""
-    m = STATES.split(state)
+    m, rate = STATES.split(state), rates(p, state)
     R, v, omega = rotation(m["yaw"]), m["w"][:2], m["w"][2]
     return Motion(
         ca.vertcat(m["position"], m["yaw"]),
         ca.vertcat(R @ v, omega),
-        ca.vertcat(R @ (m["rate"][:2] + omega * S @ v), m["rate"][2]),
+        ca.vertcat(R @ (rate[:2] + omega * S @ v), rate[2]),
     )
 
 
@@ -88,12 +95,12 @@ def _message(u: Signals) -> Parts:
     return {
         "position": u.vector("leader.position", "xy"),
         "yaw": u["leader.yaw"],
-        "w": ca.vertcat(u.vector("leader.velocity", "xy"), u["leader.yaw_rate"]),
+        "w": ca.vertcat(u.vector("leader.velocity", "xy"), u["leader.yaw_rate"], u["feedforward.speed"]),
     }
 
 
 def _begun(u: Signals) -> Parts:
-    steady = {"rate": ca.SX.zeros(3), "curve": ca.SX.zeros(3)}
+    steady = {"rate": ca.SX.zeros(4), "curve": ca.SX.zeros(4)}
     return carried(_message(u) | steady, u["leader.age"])
 
 

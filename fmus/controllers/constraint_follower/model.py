@@ -18,7 +18,6 @@ STATES = Layout(
     path=places.PATH.size,
     link=link.STATES.size,
     leader=leader.STATES.size,
-    broadcast=3,  # feedforward.speed, its first and second derivative [m/s, m/s2, m/s3]
 )
 DERIVED = Layout()
 Parts = dict[str, ca.SX]
@@ -43,22 +42,19 @@ def _step() -> ca.Function:
     shift = _shifting(p, u, before["offset"])
     linked = link.supervise(p, u, before["link"], ca.fmax(u["leader.velocity.x"], 0))
     followed = leader.follow(p, u, before["leader"], linked.heard)
-    broadcast = _broadcast(p, u, before["broadcast"])
-    ahead = _fed_forward(p, followed, broadcast)
     speed, yaw_rate = commands.near(p, u, before["speed"], before["yaw_rate"])
     back = places.pull_back(p, before["headway"], speed)
     place = places.place(before["offset"], before["headway"], back)
     me = law.own(p, u, speed, yaw_rate)
-    asked = law.ask(p, me, leader.motion(ahead), place, places.path(p, u, before["path"]), linked.heard)
+    asked = law.ask(p, me, leader.motion(p, followed), place, places.path(p, u, before["path"]), linked.heard)
     alone = ca.logic_and(linked.heard < 0.5, ca.sum1(asked.on) < 0.5)
     driven = commands.command(p, asked, linked, alone, speed, yaw_rate)
     after = STATES.join(
         {"started": ca.SX(1), "speed": driven.speed.value, "yaw_rate": driven.yaw_rate.value}
         | {"offset": shift, "headway": places.pulled_back(before["headway"], back, T)}
-        | {"path": places.path_state(p, u, before["path"]), "link": linked.state}
-        | {"leader": followed, "broadcast": broadcast}
+        | {"path": places.path_state(p, u, before["path"]), "link": linked.state, "leader": followed}
     )
-    y = stack(INTERFACE.names("output"), _outputs(p, u, driven, asked, linked, place, ahead))
+    y = stack(INTERFACE.names("output"), _outputs(p, u, driven, asked, linked, place, followed))
     arguments = [p.column, ca.SX.sym("d", 0), u.column, x, ca.SX.sym("w", 0), ca.SX.sym("t")]
     return ca.Function("step", arguments, [after, y])
 
@@ -73,7 +69,6 @@ def _begun(p: Signals, u: Signals, state: Parts) -> Parts:
         "headway": ca.vertcat(p["headway"] * own, 0),
         "path": places.path_start(u),
         "link": link.start(own),
-        "broadcast": ca.vertcat(u["feedforward.speed"], 0, 0),
     }
     return state | {name: ca.if_else(state["started"], state[name], value) for name, value in start.items()}
 
@@ -85,21 +80,6 @@ def _shifting(p: Signals, u: Signals, state: ca.SX) -> ca.SX:
     return offset.advance(state, _target(u), p["sample_period"], duration)
 
 
-def _broadcast(p: Signals, u: Signals, state: ca.SX) -> ca.SX:
-    """The head's speed with two derivatives; what is broadcast is taken as new at every sample."""
-    T = p["sample_period"]
-    gains = leader.gains(T, p["leader.filter_time"])
-    now = ca.vertcat(state[0] + T * state[1] + T**2 / 2 * state[2], state[1] + T * state[2], state[2])
-    return now + gains * (u["feedforward.speed"] - now[0])
-
-
-def _fed_forward(p: Signals, followed: ca.SX, broadcast: ca.SX) -> ca.SX:
-    """The leader's state; with feedforward.enabled it accelerates as the head of the formation does."""
-    rate = leader.STATES.split(followed)["rate"]
-    given = ca.vertcat(ca.if_else(p["feedforward.enabled"], broadcast[1], rate[0]), rate[1:])
-    return leader.STATES.join(leader.STATES.split(followed) | {"rate": given})
-
-
 def _outputs(
     p: Signals,
     u: Signals,
@@ -107,9 +87,9 @@ def _outputs(
     asked: law.Asked,
     linked: link.Link,
     place: leader.Motion,
-    ahead: ca.SX,
+    followed: ca.SX,
 ) -> Parts:
-    rate = leader.STATES.split(ahead)["rate"]
+    rate = leader.rates(p, followed)
     values = {
         "command.speed": driven.led_speed,
         "command.acceleration": driven.speed.rate,
@@ -120,7 +100,7 @@ def _outputs(
         "saturation.yaw_rate": driven.yaw_rate.limited,
         "link.lost": 1 - linked.heard,
         "constraint.residual": ca.norm_2(asked.on * asked.multipliers.residual),
-        "constraint.deficiency": law.deficiency(asked),
+        "constraint.deficiency": ca.sum1(asked.on) - asked.rank,
         "constraint.none": _none(p),
         "leader.yaw_acceleration": rate[2],
     }
