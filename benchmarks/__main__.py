@@ -15,6 +15,7 @@ from rich.table import Table
 from benchmarks import (
     closed_loop,
     exchange,
+    formation_scaling,
     local_problem,
     mpc_sample,
     planning,
@@ -35,7 +36,7 @@ def main() -> None:
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     table = Table("what", "value", "against", "aim")
-    modules = (planning, local_problem, qp_solvers, qp_in_fmu, mpc_sample)
+    modules = (formation_scaling, planning, local_problem, qp_solvers, qp_in_fmu, mpc_sample)
     before = _load()
     with Live(table, auto_refresh=False) as shown:
         for rows in (_exchange(rounds), _kernel(rounds), _loop(rounds), *(module.rows(rounds) for module in modules)):

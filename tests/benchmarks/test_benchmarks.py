@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks import formation_scaling
+
 ROOT = Path(__file__).parents[2]
 
 
@@ -29,9 +31,10 @@ def test_one_round_fills_the_table() -> None:
     plans = ("plan, gate grid, m = 160", "plan, time grid, m = 80", "plain CasADi", "IPOPT against fatrop")
     programs = ("prediction, 275", "force distribution, 4", "FMU: prediction", "FMU: force", "MpcAllocator: compiled")
     others = ("set + 1 ms step + get", "one RK4 step with tyres", "recorder on", "share of the master")
-    for figure in (*others, *plans, *programs):
+    formations = [f"formation of {cars} car" for cars in formation_scaling.SIZES]
+    for figure in (*others, *formations, *plans, *programs):
         (line,) = [line for line in done.stdout.splitlines() if figure in line]
-        found = re.search(r"│\s*([0-9.]+)\s*(?:%|s|us)?\s*│", line)
+        found = re.search(r"│\s*([0-9.]+)\s*(?:%|s|ms|us)?\s*│", line)
         assert found, line
         assert float(found[1]) > 0.0
     assert ("load average" in done.stdout) == hasattr(os, "getloadavg")

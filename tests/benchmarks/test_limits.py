@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import pytest
 
-from benchmarks import mpc_sample, planning, qp_in_fmu
+from benchmarks import formation_scaling, mpc_sample, planning, qp_in_fmu
 
 pytestmark = pytest.mark.nightly
 _SLOW = 3.0
@@ -33,3 +33,10 @@ def test_plans_after_compilation(grid: planning.Grid, m: int) -> None:
     seen = planning.measure(grid, m, rounds=3)
     assert seen.compiled.seconds <= _SLOW * planning.AIMS[grid, m]
     assert seen.compiled.processor < seen.interpreted.processor
+
+
+def test_formations_cost_what_their_cars_cost() -> None:
+    seen = formation_scaling.measure(rounds=2, sizes=(1, formation_scaling.CARS, 50))
+    assert seen[50].ratio <= _SLOW * formation_scaling.RATIO
+    assert seen[50].memory <= formation_scaling.MEMORY
+    assert seen[formation_scaling.CARS].real_time_factor >= formation_scaling.REAL_TIME / _SLOW
