@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
+import re
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -25,8 +26,11 @@ _UNITS = {
     **{"speed_": "m/s", "impact_speed": "m/s", "saturation_": "s", "final_time": "s", "first_action": "s"},
     **{"optimum_time": "s", "planned_ahead_": "s", "joint_position_": "m", "joint_speed_": "m/s"},
     **{"residual_force": "N", "residual_moment": "N.m"},
+    **dict.fromkeys(("formation_error_", "change_error_", "push_error_"), "m"),
+    **{"settling_": "s", "acceleration_": "m/s2", "lateral_acceleration_": "m/s2", "speed_gain_": ""},
 }
-"""Units of metrics by how their names begin."""
+"""Units of metrics by how their names begin, the longest that fits, after the name of a car (`car2.settling_time`)."""
+_CAR = re.compile(r"car\d+\.")
 _REFRESH = 0.1  # [s] of wall time between two updates of the progress bar
 
 
@@ -124,7 +128,8 @@ def show(summary: Mapping[str, Any], folder: Path) -> None:
 
 def _readable(name: str, value: float | None) -> tuple[str, str]:
     """Angles in degrees for the reader; the files keep SI."""
+    name = _CAR.sub("", name, count=1)
     if name.startswith(("course_", "roll_", "pitch_", "sideslip_", "yaw_", "joint_course_")):
         return "-" if value is None else f"{math.degrees(value):.3f}", "deg"
-    unit = next((unit for start, unit in _UNITS.items() if name.startswith(start)), "")
-    return "-" if value is None else f"{value:.4f}", unit
+    begin = max((begin for begin in _UNITS if name.startswith(begin)), key=len, default="")
+    return "-" if value is None else f"{value:.4f}", _UNITS.get(begin, "")

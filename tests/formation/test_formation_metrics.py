@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from formation_table import STEP, drive
 
+from cosim import display
 from cosim.scenarios import _formation_metrics as metrics
 from cosim.scenarios._distances import Body, distance_metrics, smallest_distance
 from fmukit.interface import load_parameters
@@ -150,3 +151,19 @@ def test_a_touch_in_any_block_of_times_is_seen(monkeypatch: pytest.MonkeyPatch) 
 def test_the_hand_point_assumed_is_that_of_the_followers() -> None:
     file = Path(bus.__file__).with_name("parameters.toml")
     assert {v.name: v.start for v in load_parameters(file)}["hand.distance"] == metrics.HAND
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("car12.formation_error_rms", "m"),
+        ("car2.lateral_acceleration_rms", "m/s2"),
+        ("car2.lateral_error_max", "m"),
+        ("car3.settling_time", "s"),
+        ("speed_gain_max", ""),
+        ("car3.string_ratio_max", ""),
+        ("collision", ""),
+    ],
+)
+def test_metrics_of_a_car_are_shown_with_their_units(name: str, unit: str) -> None:
+    assert display._readable(name, 1.0) == ("1.0000", unit)
