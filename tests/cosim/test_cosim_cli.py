@@ -123,8 +123,8 @@ def test_settings_are_listed_with_choices_or_limits(cosim, monkeypatch):
     assert "period=0.01 ... 0.5 s" in cosim("list")[1]
     settings = json.loads(cosim("list", "--json")[1])[0]["settings"]
     assert settings["source"] == {"default": "good", "choices": ["good", "bad"], "description": "which file"}
-    period = {"default": 0.02, "minimum": 0.01, "maximum": 0.5, "unit": "s", "description": "period of the second tank"}
-    assert settings["period"] == period
+    limits = {"default": 0.02, "minimum": 0.01, "maximum": 0.5, "unit": "s", "whole": False}
+    assert settings["period"] == {**limits, "description": "period of the second tank"}
 
 
 def test_explain_shows_order_edges_and_free_inputs(cosim, tmp_path):
