@@ -1,0 +1,134 @@
+"""Formations on the real FMUs: the figures of the full stack, and short runs of what can be set."""
+
+import numpy as np
+import pytest
+
+from cosim.run import Request, run
+from cosim.scenario import configured
+from cosim.scenarios import load
+
+LAWS = ("formation-adaptive", "formation-constraint")
+LIGHT = ("scenario.plant", "unicycle")
+
+
+def short(name, folder, *assignments, seed=0, stop=1.0):
+    summary, results = run(Request(load(name), folder, assignments, seed, stop))
+    assert summary["status"] == "ok", summary["reason"]
+    return summary["metrics"], results
+
+
+def seen_from(results, car, other):
+    """The place of `other` in the body axes of `car`, (2, n)."""
+    (x, y, yaw), (u, v, _) = (
+        [results[f"car{k}.plant.{name}"] for name in ("position.x", "position.y", "yaw")] for k in (car, other)
+    )
+    turned = (u - x + 1j * (v - y)) * np.exp(-1j * yaw)
+    return np.stack((turned.real, turned.imag))
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_four_multibody_cars_keep_their_places_at_20_to_30_metres_per_second(name, scenario_run):
+    summary, results = scenario_run(name)
+    metrics = summary["metrics"]
+    assert [metrics[f"car{k}.formation_error_rms"] <= 0.30 for k in (2, 3, 4)] == [True] * 3
+    assert metrics["collision"] == 0.0
+    assert metrics["distance_min"] > 2.0
+    speeds = results["car4.plant.velocity.x"]
+    assert (speeds[0], speeds[-1]) == pytest.approx((20.0, 30.0), abs=0.5)
+    assert np.max(np.abs(results["car1.plant.angular_rate.z"])) > 0.11
+
+
+def test_the_formation_changes_within_8_seconds(scenario_run):
+    summary, results = scenario_run("formation-constraint")
+    for k in (2, 3, 4):
+        assert summary["metrics"][f"car{k}.settling_time"] <= 8.0
+        assert summary["metrics"][f"car{k}.change_error_max"] <= 0.6
+    end = [seen_from(results, 1, k)[:, -1] for k in (2, 3, 4)]
+    assert np.abs(end - np.array([(-12, 4), (-24, 8), (-36, 12)])).max() < 0.3
+    before_the_wedge = np.searchsorted(results.time, 29.9)
+    line = [seen_from(results, 1, k)[:, before_the_wedge] for k in (2, 3, 4)]
+    assert np.abs(np.array(line)[:, 0] - [-12, -24, -36]).max() < 0.3
+
+
+@pytest.mark.parametrize("topology", ["chain", "star", "v", "diamond"])
+@pytest.mark.parametrize("name", LAWS)
+def test_everybody_starts_in_place(name, topology, tmp_path):
+    course = ("car1.reference.initial.course", "2")
+    settings = (LIGHT, ("scenario.topology", topology), ("scenario.vehicles", "5"))
+    metrics, results = short(name, tmp_path, *settings, course)
+    assert metrics["formation_error_max"] < 0.15
+    assert results["car5.plant.yaw"][0] == pytest.approx(2.0)
+    wanted = {"chain": (-12, 0), "star": (-48, 0), "v": (-12, -4), "diamond": (-12, 4)}[topology]
+    leader = {"chain": 4, "star": 1, "v": 3, "diamond": 4}[topology]
+    assert seen_from(results, leader, 5)[:, 0] == pytest.approx(wanted)
+
+
+@pytest.mark.parametrize("plant", ["16dof", "double-track", "unicycle"])
+@pytest.mark.parametrize("name", LAWS)
+def test_any_plant_drives(name, plant, tmp_path):
+    assignments = (("scenario.plant", plant), ("scenario.vehicles", "2"), ("scenario.initial_error", "0.5"))
+    metrics, results = short(name, tmp_path, *assignments, stop=2.0)
+    far = np.hypot(*(seen_from(results, 1, 2) - np.array([[-12.0], [4.0]])))
+    assert far[0] == pytest.approx(0.5 * np.hypot(0.4, 0.8))
+    assert far[-1] < 0.5 * far[0]
+    assert metrics["car2.formation_error_max"] == pytest.approx(far[0], abs=0.1)
+
+
+def test_a_head_alone_is_a_formation(tmp_path):
+    metrics, results = short("formation-adaptive", tmp_path, ("scenario.vehicles", "1"), LIGHT, stop=3.0)
+    assert not [name for name in results.names if not name.startswith("car1.")]
+    assert metrics["formation_error_rms"] is None
+    assert metrics["distance_min"] is None
+    assert abs(results["car1.hlc.error.lateral"][-1]) < 0.1
+    scenario = load("formation-adaptive")
+    scenario.draw(results, tmp_path / "overview.png", scenario.title)
+    assert (tmp_path / "overview.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_equal_seeds_give_equal_bytes_and_others_do_not(tmp_path):
+    for folder, seed in (("a", 1), ("b", 1), ("c", 2)):
+        short("formation-constraint", tmp_path / folder, ("scenario.vehicles", "3"), seed=seed)
+    a, b, c = ((tmp_path / folder / "results.parquet").read_bytes() for folder in "abc")
+    assert a == b
+    assert a != c
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_without_sensors_and_radio_nothing_is_random(name, tmp_path):
+    settings = (LIGHT, ("scenario.feedback", "truth"), ("scenario.radio", "off"), ("scenario.feedforward", "on"))
+    first, second = (short(name, tmp_path / str(seed), *settings, seed=seed)[1] for seed in (1, 2))
+    assert np.array_equal(first["car4.plant.yaw"], second["car4.plant.yaw"])
+    assert not np.array_equal(first["car4.imu.gyroscope.z"], second["car4.imu.gyroscope.z"])
+
+
+def test_no_two_cars_have_the_same_noise(tmp_path):
+    _, results = short("formation-adaptive", tmp_path, LIGHT, stop=0.5)
+    noises = [results[f"car{k}.gps.gps.position.x"] - results[f"car{k}.plant.position.x"] for k in (1, 2, 3, 4)]
+    assert len({noise.tobytes() for noise in noises}) == 4
+
+
+def test_the_head_tells_its_speed_to_all(tmp_path):
+    _, results = short("formation-adaptive", tmp_path, LIGHT, ("scenario.feedforward", "on"))
+    for k in (2, 3, 4):
+        assert results[f"car{k}.broadcast.leader.velocity.x"][-1] == pytest.approx(20.0, abs=0.3)
+
+
+def test_a_headway_moves_the_places_back(tmp_path):
+    metrics, results = short("formation-constraint", tmp_path, LIGHT, ("scenario.headway", "0.5"))
+    assert seen_from(results, 1, 2)[0, 0] == pytest.approx(-12.0 - 0.5 * 20.0)
+    assert metrics["formation_error_max"] < 0.15
+
+
+def test_what_is_set_of_all_low_levels_reaches_those_who_assume_it():
+    system = configured(load("formation-constraint"), [("car*.llc.filter.speed", "30")])
+    assert system.instances["car1.hlc"].parameters["actuator.filter.speed"] == "30"
+    assert system.instances["car3.follower"].parameters["lead.speed"] == pytest.approx(3 / 30 + 0.010 + 0.001)
+    system = configured(load("formation-constraint"), [("car*.plant.yaw_rate.lag", "0.3"), LIGHT])
+    assert system.instances["car3.follower"].parameters["lead.yaw_rate"] == pytest.approx(0.3 + 0.010)
+
+
+def test_the_overview_is_drawn(tmp_path):
+    _, results = short("formation-constraint", tmp_path, LIGHT, ("scenario.vehicles", "3"), stop=16.0)
+    scenario = load("formation-constraint")
+    scenario.draw(results, tmp_path / "overview.png", scenario.title)
+    assert (tmp_path / "overview.png").read_bytes().startswith(b"\x89PNG")
