@@ -9,7 +9,7 @@ import casadi as ca
 from fmukit.kernel import Kernel, Layout, Signals, sampled_kernel, stack, symbols
 from fmus.controllers.adaptive_follower import law, network, turning
 from fmus.controllers.adaptive_follower.interface import INTERFACE
-from fmus.controllers.formation import hand, link, offset, realise
+from fmus.controllers.formation import catch_up, hand, link, offset, realise
 
 _V, _W = (network.N1 + 1, network.N2), (network.N2 + 1, network.N3)
 STATES = Layout(
@@ -37,8 +37,12 @@ def kernel() -> Kernel:
 
 
 class _Seen(NamedTuple):
-    """What a sample knows besides the weights: z, xbar, R(psi_L - psi_i), and Delta without the network's share."""
+    """What a sample knows besides the weights.
 
+    The wanted place of O1, z, xbar, R(psi_L - psi_i), and Delta without the network's share.
+    """
+
+    place: ca.SX
     z: ca.SX
     xbar: ca.SX
     R_rel: ca.SX
@@ -67,11 +71,10 @@ def _initialise() -> ca.Function:
 def _step() -> ca.Function:
     p, u, x = symbols(INTERFACE, "parameter"), symbols(INTERFACE, "input"), STATES.symbol()
     before = _begun(p, u, STATES.split(x))
-    r, r_rate, _ = offset.value(before["offset"])
     linked = link.supervise(p, u, before["link"], ca.fmax(before["velocity"][0] + _broadcast(p, u)[0], 0))
     turned = turning.follow(p, u, before["turning"], linked.heard)
-    place = r - ca.vertcat(p["headway"] * before["speed"], 0)
-    seen = _seen(p, u, before, place, r_rate, turning.STATES.split(turned)["rate"])
+    before |= {"turning": turned, "offset": _led_back(p, u, before | {"turning": turned}, linked)}
+    seen = _seen(p, u, before)
     V, W = _taught(p, u, before, seen, linked)
     driven = _drive(p, u, before | {"V": V, "W": W}, seen, linked)
     after = STATES.join(
@@ -80,7 +83,7 @@ def _step() -> ca.Function:
         | {"offset": offset.advance(before["offset"], _target(u), p["sample_period"], p["formation.duration"])}
         | {"link": linked.state, "turning": turned}
     )
-    y = stack(INTERFACE.names("output"), _outputs(p, u, seen, driven, linked, place, V, W))
+    y = stack(INTERFACE.names("output"), _outputs(p, u, seen, driven, linked, V, W))
     arguments = [p.column, ca.SX.sym("d", 0), u.column, x, ca.SX.sym("w", 0), ca.SX.sym("t")]
     return ca.Function("step", arguments, [after, y])
 
@@ -102,14 +105,23 @@ def _begun(p: Signals, u: Signals, state: Parts) -> Parts:
     return begun | {"V": ca.reshape(state["V"], *_V), "W": ca.reshape(begun["W"], *_W)}
 
 
-def _seen(p: Signals, u: Signals, before: Parts, place: ca.SX, r_rate: ca.SX, turning_rate: ca.SX) -> _Seen:
-    leader = law.heard_leader(p, u, turning_rate)
+def _led_back(p: Signals, u: Signals, before: Parts, linked: link.Link) -> ca.SX:
+    """The state of the wanted offset, begun anew nearby when the follower is far from its place."""
+    away = hand.rotation(u["estimate.yaw"] - u["leader.yaw"]) @ _seen(p, u, before).z
+    speed = before["velocity"][0] + _broadcast(p, u)[0]
+    return ca.if_else(linked.heard, catch_up.led_back(p, before["offset"], away, speed), before["offset"])
+
+
+def _seen(p: Signals, u: Signals, before: Parts) -> _Seen:
+    r, r_rate, _ = offset.value(before["offset"])
+    place = r - ca.vertcat(p["headway"] * before["speed"], 0)
+    leader = law.heard_leader(p, u, turning.STATES.split(before["turning"])["rate"])
     known = _broadcast(p, u)
-    r = place + ca.vertcat(p["hand.distance"], 0)
-    z = law.error(p, u, law.wanted_point(leader, r, before["velocity"] + known))
+    p_d = law.wanted_point(leader, place + ca.vertcat(p["hand.distance"], 0), before["velocity"] + known)
+    z = law.error(p, u, p_d)
     relative = leader.yaw_now - u["estimate.yaw"]
     R_rel = hand.rotation(relative)
-    return _Seen(z, law.network_input(u, z, relative), R_rel, R_rel @ (known + r_rate))
+    return _Seen(place, z, law.network_input(u, z, relative), R_rel, R_rel @ (known + r_rate))
 
 
 def _taught(p: Signals, u: Signals, before: Parts, seen: _Seen, linked: link.Link) -> tuple[ca.SX, ca.SX]:
@@ -135,9 +147,7 @@ def _drive(p: Signals, u: Signals, state: Parts, seen: _Seen, linked: link.Link)
     return _Driven(nu, speed, realise.yaw_rate(p, state["yaw_rate"], turn, u["estimate.velocity.x"]))
 
 
-def _outputs(
-    p: Signals, u: Signals, seen: _Seen, driven: _Driven, linked: link.Link, place: ca.SX, V: ca.SX, W: ca.SX
-) -> Parts:
+def _outputs(p: Signals, u: Signals, seen: _Seen, driven: _Driven, linked: link.Link, V: ca.SX, W: ca.SX) -> Parts:
     nu = driven.nu + _broadcast(p, u)
     w = driven.yaw_rate.value
     values = {
@@ -152,7 +162,7 @@ def _outputs(
         "weights.hidden_norm": ca.sqrt(ca.sumsqr(V)),
         "gain_rule.broken": _rule_broken(p),
     }
-    pairs = {"error": seen.z, "offset": place, "velocity": nu}
+    pairs = {"error": seen.z, "offset": seen.place, "velocity": nu}
     return values | {f"{name}.{axis}": pair[i] for name, pair in pairs.items() for i, axis in enumerate("xy")}
 
 
