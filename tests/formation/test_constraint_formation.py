@@ -153,8 +153,8 @@ def test_the_speed_of_the_head_keeps_long_chains_from_swinging_up() -> None:
     for on in (0.0, 1.0):
         start = [(-12.0 * (k + 1), 0.0, 0.0, 20.0, 0.0) for k in range(6)]
         formation = Formation(leader, start, feedforward__enabled=on, leader__filter_time=0.3)
-        for k in range(1500):
+        for k in range(1250):
             formation.step(((-12.0, 0.0),) * 6, chain=True, feedforward__speed=leader(k * loop.T)[3])
-        last[on] = np.array(formation.errors)[1000:].max(axis=0)
+        last[on] = np.array(formation.errors)[750:].max(axis=0)
     assert last[0.0][0] == pytest.approx(last[1.0][0], rel=1e-6)
     assert last[1.0][5] < 0.5 * last[0.0][5]

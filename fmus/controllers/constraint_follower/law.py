@@ -62,7 +62,8 @@ def ask(p: Signals, me: Own, leader: Motion, place: Motion, path: Motion, heard:
     correction = _within(p["omega_n"] ** 2 * scale * C, p["limit.correction"])
     damping = 2 * p["zeta"] * p["omega_n"]
     n, B = constraints.drift(me.q[2], me.velocity, me.yaw_rate, a), constraints.directions(me.q[2], a)
-    tau = heard * (ca.sum1(on) > 0) * _along_with(me, leader, n, a, damping)
+    tied = ca.sum1(on[:3]) + on[5] > 0
+    tau = tied * _along_with(me, leader, n, a, damping)
     G = ca.diag(scale) @ W @ B
     b = scale * (W @ (B @ tau + n) + gamma + damping * rate) + correction
     found = constraints.multipliers(G, b)
@@ -71,7 +72,7 @@ def ask(p: Signals, me: Own, leader: Motion, place: Motion, path: Motion, heard:
 
 
 def _along_with(me: Own, leader: Motion, n: ca.SX, a: ca.SX, damping: ca.SX) -> ca.SX:
-    """tau [m/s2] (2): the hand takes up the motion of the leader's, wherever constraints leave it free."""
+    """tau [m/s2] (2): the hand takes up the motion of the leader's, where constraints to the leader leave it free."""
     e = ca.vertcat(ca.cos(leader.place[2]), ca.sin(leader.place[2]))
     turn, turn_rate = leader.rate[2], leader.acceleration[2]
     velocity = leader.rate[:2] + a * turn * hand.S @ e
