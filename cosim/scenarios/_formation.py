@@ -30,12 +30,14 @@ counts; its commands are smooth by themselves."""
 class Law:
     """How a follower keeps its place: its `model`, and values of its parameters beyond those of the settings.
 
-    `motion`: it wants to know the velocity and yaw rate of its leader, not only where that is.
+    `motion`: it wants to know the velocity and yaw rate of its leader, not only where that is. `told` are parameters
+    where the head broadcasts its speed.
     """
 
     model: str
     motion: bool
     parameters: Values = field(default_factory=dict)
+    told: Values = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,8 +103,8 @@ def _add_follower(
     car, follower = name(k), f"{name(k)}follower"
     place = {"formation.x": offset[0], "formation.y": offset[1]}
     ahead = settings["feedforward"] == "on"
-    told: dict[str, Value] = {**place, "headway": settings["headway"], "feedforward.enabled": ahead}
-    system.add(follower, law.model, {**told, **law.parameters})
+    wanted: dict[str, Value] = {**place, "headway": settings["headway"], "feedforward.enabled": ahead}
+    system.add(follower, law.model, {**wanted, **law.parameters, **(law.told if ahead else {})})
     _add_car(system, settings, cars, car, "follower")
     feed_back(system, settings, "follower", TRUE_YAW_RATE, car)
     _hear_leader(system, settings, law, k, leader)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from cosim.scenarios._tracking_overview import footprints, thinned
 from cosim.slave import Vector
 
 _DRAWN = 8  # instants at which the cars are drawn
+_GAP = 10.0  # m, between two instants side by side
 _NAMED = 8  # cars beyond it have no name in the legends
 _AXES = (("x", "ahead of the leader"), ("y", "to the left of the leader"))
 Curve = Callable[[Results, int], tuple[Vector, Vector]]
@@ -35,20 +36,41 @@ def draw_overview(results: Results, file: Path, title: str, leaders: Mapping[int
     draw_page(results, file, title, lambda r, axes: _paths(r, axes, cars), panels, path_rows=2)
 
 
-def _paths(results: Results, axes: Any, cars: Iterable[int]) -> None:
-    """The ways of all cars, and the cars at a few instants, those of one instant joined to their leaders."""
+def _paths(results: Results, axes: Any, cars: Sequence[int]) -> None:
+    """The ways of all cars, and the cars at a few instants; beneath, the cars at the same instants from near."""
     rows = np.arange(len(results.time))
     some = np.unique(np.linspace(0, len(rows) - 1, _DRAWN).astype(int))
-    for car in cars:
-        x, y, yaw = pose(results, car, rows).T
+    poses = np.stack([pose(results, car, rows) for car in cars])
+    for car, (x, y, _) in zip(cars, np.moveaxis(poses, 2, 1), strict=True):
         axes.plot(x[thinned(rows)], y[thinned(rows)], color=_color(car), linewidth=0.8, label=_label(car))
-        boxes = list(footprints(x[some], y[some], yaw[some]))
-        axes.add_collection(PolyCollection(boxes, facecolors=_color(car), edgecolors="black", linewidths=0.4))
-    times = ", ".join(f"{t:.3g}" for t in results.time[some])
-    axes.set(xlabel="x [m]", ylabel="y [m]", title=f"paths of O1; cars drawn at {times} s")
+    _cars(axes, poses[:, some], cars)
+    axes.set(xlabel="x [m]", ylabel="y [m]", title="paths of O1; beneath, the formation at the instants drawn")
     axes.set_aspect("equal", adjustable="datalim")
     axes.grid(alpha=0.3)
     axes.legend(loc="upper left", ncols=4)
+    _side_by_side(axes.inset_axes((0.0, 0.0, 1.0, 0.3)), poses[:, some], cars, results.time[some])
+
+
+def _side_by_side(axes: Any, poses: Vector, cars: Sequence[int], times: Vector) -> None:
+    """The formation as seen from the head, (cars, instants, 3), one instant beside the next."""
+    c, s = np.cos(poses[0, :, 2]), np.sin(poses[0, :, 2])
+    x, y, yaw = np.moveaxis(poses - poses[0], -1, 0)
+    seen = np.stack((c * x + s * y, c * y - s * x, yaw), -1)
+    step = float(np.ptp(seen[..., 0])) + _GAP
+    seen[..., 0] += step * np.arange(len(times))
+    _cars(axes, seen, cars)
+    for i, time in enumerate(times):
+        axes.text(step * i, seen[..., 1].max() + 0.2 * _GAP, f"{time:.3g} s", ha="center", fontsize="small")
+    axes.set(xticks=[], yticks=[])
+    axes.margins(0.02, 0.2)
+    axes.autoscale_view()
+    axes.set_aspect("equal", adjustable="datalim")
+
+
+def _cars(axes: Any, poses: Vector, cars: Sequence[int]) -> None:
+    for car, places in zip(cars, poses, strict=True):
+        boxes = list(footprints(*places.T))
+        axes.add_collection(PolyCollection(boxes, facecolors=_color(car), edgecolors="black", linewidths=0.4))
 
 
 def _kept(errors: Mapping[int, Errors]) -> list[Panel]:

@@ -21,8 +21,9 @@ from cosim.scenarios._tracking import tell_the_actuator
 from cosim.system import System
 
 MOST = 100
-_ROWS = 0.02
+_RECORD = 0.02
 """Seconds from row to row: the period of the followers. A row every millisecond would be gigabytes for ten cars."""
+_IN_A_ROW = ("chain", "star")
 Shapes = Sequence[tuple[float, str]]
 """When [s] the formation changes to which shape."""
 
@@ -69,7 +70,7 @@ def formation_scenario(
         find=fmu_path,
         metrics=metrics,
         draw=draw,
-        record_every=_ROWS,
+        record_every=_RECORD,
         settings=formation_settings(4, kind),
     )
 
@@ -99,14 +100,12 @@ def _spacing(settings: Settings) -> Spacing:
 
 
 def metrics(results: Results) -> dict[str, float]:
-    """How well every follower kept its place, the smallest distance, and whether errors grow from car to car."""
+    """How well every follower kept its place, how near cars came, and in a row whether errors grow from car to car."""
     follows = leaders(results.settings)
-    errors = {k: follower_errors(results, k, leader).hand for k, leader in follows.items()}
-    return {
-        **formation_metrics(results, follows),
-        **distance_metrics(results, (HEAD, *follows)),
-        **ratio_metrics(errors),
-    }
+    found = {**formation_metrics(results, follows), **distance_metrics(results, (HEAD, *follows))}
+    if results.settings["topology"] in _IN_A_ROW:
+        found |= ratio_metrics({k: follower_errors(results, k, leader).hand for k, leader in follows.items()})
+    return found
 
 
 def draw(results: Results, file: Path, title: str) -> None:
