@@ -6,6 +6,9 @@ import constraint_loop as loop
 import numpy as np
 import pytest
 
+from fmus.controllers.constraint_follower.interface import INTERFACE
+from fmus.controllers.constraint_follower.model import kernel
+
 STRAIGHT = loop.steady(20.0)
 ON_PLACE = (-10.0, 0.0, 0.0, 20.0, 0.0)
 
@@ -106,6 +109,15 @@ def test_without_any_constraint_the_follower_goes_on_and_says_so() -> None:
     assert not r["command.yaw_rate"].any()
 
 
+@pytest.mark.parametrize("on", [0.0, 1.0])
+def test_a_follower_without_constraints_is_advised_against_at_initialisation(on: float) -> None:
+    """The FMU warns when the output that its advice names is 1 after initialisation."""
+    follower = loop.Follower(constraint__offset=on)
+    y = kernel().initialise(follower.p, follower.u, [], [], 0)[2]
+    (advice,) = INTERFACE.advice
+    assert float(y[INTERFACE.names("output").index(advice.output)]) == 1.0 - on
+
+
 def _there_and_back(t: float) -> float:
     if t < 10.0:
         return 15.0 if t < 3.0 else max(15.0 - 5.0 * (t - 3.0), 0.0)
@@ -183,7 +195,7 @@ def test_a_place_across_the_road_is_reached_in_its_own_time() -> None:
 
 
 def test_nothing_makes_it_forget_its_numbers() -> None:
-    """Any finite input: outputs stay finite, and afterwards the formation closes up again."""
+    """Any input there can be: outputs stay finite and commands within their limits."""
     random = np.random.default_rng(0)
     on = dict.fromkeys(("constraint__distance", "constraint__heading", "constraint__trajectory"), 1.0)
     follower = loop.Follower(headway=0.5, **on)
