@@ -208,7 +208,8 @@ def test_broadcast_speed_leaves_little_to_learn():
         yaw_rate=lambda t: 0.0,
         duration=20.0,
         parameters={"feedforward.enabled": 1},
-        inputs=lambda t: {"feedforward.speed": rush(t)},
+        hear=lambda k, leader: {**pose(leader), "leader.valid": float(k > 2)},
+        inputs=lambda t: {"feedforward.speed": rush(t) if t > 0.05 else 0.0},  # nothing is told before the first message
     )
     untold = simulate(speed=rush, yaw_rate=lambda t: 0.0, duration=20.0)
     assert told.distance().max() < 0.4

@@ -91,7 +91,7 @@ def _step() -> ca.Function:
 def _begun(p: Signals, u: Signals, state: Parts) -> Parts:
     """The state, at the first sample that of a follower that drives as it does, in its place; V and W as matrices."""
     own = u["estimate.velocity.x"]
-    bias = p["bias.own_speed"] * (own - _broadcast(p, u)[0])
+    bias = p["bias.own_speed"] * (1 - p["feedforward.enabled"]) * own
     first = ca.vertcat(bias, ca.SX.zeros(network.N2), 0, ca.SX.zeros(network.N2))
     start = {
         "W": first,
