@@ -198,7 +198,7 @@ def test_headway_opens_the_gap_with_the_speed():
 
 
 def test_broadcast_speed_leaves_little_to_learn():
-    """A leader that gains 10 m/s at 2 m/s2, its speed known to all at once."""
+    """A leader that gains 10 m/s at 2 m/s2, its speed known to all at once, from the first message on."""
 
     def rush(t):
         return 20.0 + min(max(2.0 * (t - 5.0), 0.0), 10.0)
@@ -209,7 +209,7 @@ def test_broadcast_speed_leaves_little_to_learn():
         duration=20.0,
         parameters={"feedforward.enabled": 1},
         hear=lambda k, leader: {**pose(leader), "leader.valid": float(k > 2)},
-        inputs=lambda t: {"feedforward.speed": rush(t) if t > 0.05 else 0.0},  # nothing is told before the first message
+        inputs=lambda t: {"feedforward.speed": rush(t) if t > 0.05 else 0.0},
     )
     untold = simulate(speed=rush, yaw_rate=lambda t: 0.0, duration=20.0)
     assert told.distance().max() < 0.4
