@@ -46,10 +46,10 @@ _FIRM = {"gain": GAIN, "adaptation.output": GAIN**2 / 7.0, "adaptation.hidden": 
 _TOLD = {"gain": 2.0, "adaptation.output": 0.01, "adaptation.hidden": 0.005, "bias.own_speed": False}
 """The same while they are told the head's speed, which makes errors small but not their ratio: that is T of the law, so
 it takes a network that learns slowly and a gain that the lags leave well damped. The network begins with nothing."""
-SWEEP = 0.5
-"""Root mean square of the head's acceleration in the sweep [m/s2]; the largest is about 1 m/s2."""
+SWEEP = 0.8
+"""Root mean square of the head's acceleration in the sweep [m/s2]; the largest is 2 m/s2."""
 PUSHED = 3
-_FORCE, _FORCE_TIME = -4000.0, 1.0  # N, s
+_FORCE, _FORCE_TIME = -6000.0, 1.0  # N, s
 _MOVE_IN = 14.0  # s after the gap began to open
 _SAME = 1e-6  # m
 _DURATION = 12.0  # s; a gap of one headway opens so slowly that nobody brakes hard
@@ -80,6 +80,7 @@ def system(settings: Settings) -> System:
     merging = _merging(settings) if happens(settings, "merge") else None
     timetable = [] if merging is None else _merge(settings, merging)
     made = formation(size, settings["topology"], _law(settings), timetable, settings, cars, gap)
+    _reach(made, settings)
     if merging is not None:
         _place(made, _seen(settings, _beside(settings, merging)))
     if happens(settings, "push"):
@@ -94,9 +95,8 @@ def happens(settings: Settings, event: str) -> bool:
 
 def _law(settings: Settings) -> Law:
     model, motion = LAWS[settings["law"]]
-    hand = min(_gap(settings), _LONGEST_HAND)
-    own = {} if motion else {**_FIRM, **(_TOLD if settings["feedforward"] == "on" else {})}
-    return Law(model, motion, {"formation.duration": _DURATION, "hand.distance": hand, **own})
+    own, told = ({}, {}) if motion else (_FIRM, _TOLD)
+    return Law(model, motion, {"formation.duration": _DURATION, **own}, told)
 
 
 def _reference(settings: Settings) -> Mapping[str, float | str]:
@@ -166,6 +166,14 @@ def _seen(settings: Settings, places: Mapping[int, Place]) -> dict[int, Place]:
     """The offsets that give these places; the headway, which followers add by themselves, is taken out."""
     found = offsets(topology(settings["topology"]).leaders(int(settings["vehicles"])), places)
     return {k: (x + settings["headway"] * SPEED, y) for k, (x, y) in found.items()}
+
+
+def _reach(made: System, settings: Settings) -> None:
+    """Hand points where the leaders are, as far as a hand can be."""
+    row = _row(settings)
+    for k, leader in topology(settings["topology"]).leaders(len(row)).items():
+        distance = row[leader][0] - row[k][0]
+        made.instances[f"{name(k)}follower"].parameters["hand.distance"] = min(distance, _LONGEST_HAND)
 
 
 def _place(made: System, seen: Mapping[int, Place]) -> None:

@@ -22,7 +22,7 @@ _INSTANT = 1e-6  # s
 
 
 def platoon_metrics(results: Results) -> dict[str, float]:
-    """Metrics in SI units; ratios are those while the head brakes and accelerates, or of the sweep.
+    """Metrics in SI units; ratios are those while the head brakes and accelerates, gains those of the sweep.
 
     NaN where a run ended before what is measured was over.
     """
@@ -53,17 +53,13 @@ def _pushed(results: Results, errors: Mapping[int, Errors]) -> dict[str, float]:
 
 
 def _ratios(results: Results, errors: Mapping[int, Errors]) -> dict[str, float]:
-    if _platoon.happens(results.settings, "braking"):
-        begin, end = _platoon.BRAKING, _platoon.MERGE
-    elif _platoon.happens(results.settings, "sweep"):
-        begin, end = _platoon.SETTLED, _platoon.END
-    else:
+    if not _platoon.happens(results.settings, "braking"):
         return {}
-    return ratio_metrics({k: during(results, e, begin, end) for k, e in errors.items()})
+    return ratio_metrics({k: during(results, e, _platoon.BRAKING, _platoon.MERGE) for k, e in errors.items()})
 
 
 def _gains(results: Results, errors: Mapping[int, Errors]) -> dict[str, float]:
-    """Amplification by frequency: of errors from car 3 on, of speeds from car 2 on."""
+    """Amplification by frequency: of speeds from car 2 on, of errors from car 3 on."""
     if not _platoon.happens(results.settings, "sweep") or not _over(results, _platoon.END):
         return {}
     late = {k: during(results, e, _platoon.SETTLED, _platoon.END)[:, 0] for k, e in errors.items()}

@@ -4,7 +4,10 @@ Cars stand in a row: car k is held against car k - 1, whoever it follows (under 
 the ratios say how alike they respond). z is the error of the hand point at the follower's instants.
 
     gamma_k = max|z_k| / max|z_{k-1}|,   the same of root mean squares;   k = 3 ... N, as car 1 follows nobody
-    |Gamma_k(j omega)| = |Z_k(j omega)| / |Z_{k-1}(j omega)|
+    |Gamma_k(j omega)| = |V_k(j omega)| / |V_{k-1}(j omega)|,   k = 2 ... N, and of Z_k, k = 3 ... N
+
+In a chain of equal followers that know nothing but the car ahead, both quotients are the same function; that of the
+speeds v, which are true states, is far less noisy. Once all are told the head's speed, the errors are what counts.
 
 A ratio of errors that are sensor noise means nothing: it is NaN unless the error ahead exceeds `FLOOR`.
 
@@ -12,8 +15,8 @@ Gamma is the quotient of Fourier coefficients at the lines of a multi-sine, over
 out. The signal is periodic and all lines fit the window, so there is no leakage and no window function, and a
 coefficient has no bias from averaging: for such a signal this is better than a cross-spectral estimate. Lines that were
 not excited carry noise and distortion only; a line counts where the car ahead is `CLEAR` times above them, so that
-noise changes the quotient by a few percent at most. The coherence a cross-spectral estimate would show,
-snr^2/(1 + snr^2), is then above 0.998. Speeds are true states and far less noisy than errors.
+noise changes the quotient by about a tenth at most. The coherence a cross-spectral estimate would show there,
+snr^2/(1 + snr^2), is above 0.99.
 """
 
 from __future__ import annotations
@@ -25,10 +28,10 @@ import numpy as np
 
 from cosim.slave import Vector
 
-FLOOR = 0.1
-"""Largest longitudinal error [m] of the car ahead from which on a ratio means something: an RTK receiver and the filter
-leave a few centimetres."""
-CLEAR = 25.0
+FLOOR = 0.2
+"""Largest error [m] of the car ahead from which on a ratio means something: receiver, filter and radio leave about 5 cm
+(root mean square) of a follower at rest in its place."""
+CLEAR = 10.0
 
 
 def ratio_metrics(errors: Mapping[int, Vector], floor: float = FLOOR) -> dict[str, float]:
@@ -60,12 +63,12 @@ def ratio(own: Vector, ahead: Vector, floor: float = FLOOR) -> tuple[float, floa
 def gain_metrics(
     errors: Mapping[int, Vector], speeds: Mapping[int, Vector], lines: Sequence[int], periods: int
 ) -> dict[str, float]:
-    """`car3.string_gain_max` of longitudinal errors and `car2.speed_gain_max` of speeds, and the worst of all.
+    """`car2.string_gain_max` of speeds and `car3.error_gain_max` of longitudinal errors, and the worst of all.
 
     `errors` (n,) [m], `speeds` (n,) [m/s] by car over `periods` whole periods of the excitation; `lines` as `gains`.
     """
     metrics: dict[str, float] = {}
-    for name, signals in (("string_gain_max", errors), ("speed_gain_max", speeds)):
+    for name, signals in (("string_gain_max", speeds), ("error_gain_max", errors)):
         for car in sorted(signals):
             if car - 1 in signals:
                 found = gains(signals[car], signals[car - 1], lines, periods)

@@ -160,7 +160,7 @@ def test_the_hand_point_assumed_is_that_of_the_followers() -> None:
         ("car2.lateral_acceleration_rms", "m/s2"),
         ("car2.lateral_error_max", "m"),
         ("car3.settling_time", "s"),
-        ("speed_gain_max", ""),
+        ("string_gain_max", ""),
         ("car3.string_ratio_max", ""),
         ("collision", ""),
     ],

@@ -55,9 +55,9 @@ def test_the_gain_measured_in_a_sweep_is_that_of_the_transfer_function(law: Law)
     for k in range(FOLLOWERS):
         np.testing.assert_allclose(gains(speeds[:, k + 1], speeds[:, k], LINES, 1), exact, rtol=2e-3)
     found = gain_metrics(by_car(errors, 2), by_car(speeds, 1), LINES, 1)
-    assert found["car3.string_gain_max"] == pytest.approx(exact.max(), rel=2e-3)
-    assert found["car2.speed_gain_max"] == pytest.approx(exact.max(), rel=2e-3)
-    assert "car2.string_gain_max" not in found
+    assert found["car3.error_gain_max"] == pytest.approx(exact.max(), rel=2e-3)
+    assert found["car2.string_gain_max"] == pytest.approx(exact.max(), rel=2e-3)
+    assert "car2.error_gain_max" not in found
 
 
 def test_lines_in_noise_do_not_count() -> None:

@@ -1,0 +1,161 @@
+"""Whether disturbances grow along the platoon: without a remedy they do, with headway and in a star they do not."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cosim.results import Results
+from cosim.run import Request, run
+from cosim.scenarios import _platoon as platoon
+from cosim.scenarios import load
+
+Drive = Callable[..., tuple[dict[str, Any], Results]]
+LIGHT = ("scenario.plant=unicycle", "scenario.vehicles=4")
+LIGHTEST = ("scenario.plant=unicycle", "scenario.vehicles=3")
+CHAIN0, STAR = ("scenario.headway=0",), ("scenario.topology=star", "scenario.headway=0")
+TOLD = ("scenario.headway=0", "scenario.feedforward=on")
+
+
+@pytest.fixture(scope="module")
+def drive(tmp_path_factory: pytest.TempPathFactory) -> Drive:
+    """drive(assignments..., manoeuvre=, stop=): metrics and results of the platoon."""
+
+    @cache
+    def made(*assignments: str, manoeuvre: str, stop: float | None = None, seed: int = 0) -> tuple[Any, Results]:
+        pairs = [tuple(text.split("=")) for text in (*assignments, f"scenario.manoeuvre={manoeuvre}")]
+        request = Request(load("platoon"), Path(tmp_path_factory.mktemp("platoon")), pairs, seed, stop)  # type: ignore[arg-type]
+        summary, results = run(request)
+        assert summary["status"] == "ok", summary["reason"]
+        return summary["metrics"], results
+
+    return made
+
+
+def ratios(metrics: dict[str, float], cars: int) -> dict[str, float]:
+    """All string ratios of cars 3 to `cars`; every one is there."""
+    names = [f"car{k}.string_ratio_{kind}" for k in range(3, cars + 1) for kind in ("max", "rms")]
+    return {name: metrics[name] for name in names}
+
+
+def test_braking_grows_along_a_chain_without_a_remedy(drive: Drive) -> None:
+    metrics, _ = drive(*LIGHTEST, *CHAIN0, manoeuvre="braking", stop=platoon.MERGE)
+    assert min(ratios(metrics, 3).values()) > 1.2
+
+
+def test_in_a_star_all_have_about_the_same_error(drive: Drive) -> None:
+    """Nothing is passed on; what differs is noise, and for the largest error which messages are lost."""
+    metrics, _ = drive(*LIGHTEST, *STAR, manoeuvre="braking", stop=platoon.MERGE)
+    for name, value in ratios(metrics, 3).items():
+        assert value == pytest.approx(1.0, abs=0.05 if name.endswith("rms") else 0.1)
+
+
+def test_no_ratio_exceeds_105_percent_when_all_know_the_heads_speed(drive: Drive) -> None:
+    metrics, _ = drive(*LIGHT, *TOLD, manoeuvre="braking", stop=platoon.MERGE)
+    assert max(ratios(metrics, 4).values()) <= 1.05
+    assert metrics["car2.formation_error_max"] > 0.4  # far above what sensors leave
+    assert metrics["collision"] == 0.0
+
+
+def test_with_headway_no_ratio_exceeds_105_percent_and_a_push_and_a_merge_end_well(drive: Drive) -> None:
+    metrics, results = drive(*LIGHT, manoeuvre="events")
+    assert max(ratios(metrics, 4).values()) <= 1.05
+    assert metrics["push_error_max"] > 2 * metrics["push_error_ahead_max"]
+    assert metrics["collision"] == 0.0
+    last = [np.array([results[f"car{k}.plant.position.{axis}"][-1] for axis in "xy"]) for k in range(1, 5)]
+    gaps = -np.diff(last, axis=0)
+    np.testing.assert_allclose(gaps[:, 0], 12.0 + platoon.SPEED, atol=0.3)
+    np.testing.assert_allclose(gaps[:, 1], 0.0, atol=0.2)
+    y, time = results["car2.plant.position.y"], results.time
+    assert y[time < platoon.MERGE].mean() == pytest.approx(4.0, abs=0.1)
+
+
+def test_the_merging_car_has_its_gap_before_it_moves_in(drive: Drive) -> None:
+    _, results = drive(*LIGHT, manoeuvre="events")
+    x = [results[f"car{k}.plant.position.x"] for k in (1, 2, 3)]
+    inside = np.flatnonzero((results["car2.plant.position.y"] < 3.5) & (results.time > platoon.MERGE))[0]
+    assert x[0][0] - x[2][0] == pytest.approx(12.0 + platoon.SPEED, abs=1e-6)
+    assert x[0][inside] - x[2][inside] == pytest.approx(2 * (12.0 + platoon.SPEED), abs=1.0)
+
+
+def test_a_sweep_with_headway_amplifies_at_no_frequency(drive: Drive) -> None:
+    metrics, _ = drive("scenario.plant=unicycle", "scenario.vehicles=2", manoeuvre="sweep")
+    assert 0.95 < metrics["car2.string_gain_max"] <= 1.01
+
+
+def test_what_was_not_over_has_no_figure(drive: Drive) -> None:
+    metrics, _ = drive(*LIGHTEST, manoeuvre="events", stop=1.0)
+    assert metrics["car3.string_ratio_max"] is None
+    assert metrics["push_error_max"] is None
+
+
+def test_a_car_alone_is_a_platoon(drive: Drive) -> None:
+    metrics, _ = drive("scenario.plant=unicycle", "scenario.vehicles=1", manoeuvre="events", stop=25.0)
+    assert metrics["formation_error_max"] is None
+    assert metrics["distance_min"] is None
+
+
+@pytest.mark.parametrize("topology", ["chain", "star"])
+@pytest.mark.parametrize("headway", ["0", "1"])
+def test_everybody_starts_and_ends_in_the_same_row(topology: str, headway: str) -> None:
+    """Without driving: the offsets of the merge, summed from the head, with the headway each follower adds."""
+    from cosim.scenario import configured  # noqa: PLC0415
+
+    pairs = [("scenario.topology", topology), ("scenario.headway", headway), ("scenario.plant", "unicycle")]
+    system = configured(load("platoon"), pairs)
+    place = {1: (0.0, 0.0)}
+    for k in range(2, 11):
+        leader = k - 1 if topology == "chain" else 1
+        values = system.instances[f"car{k}.follower"].parameters
+        events = {
+            e.variable: e.value
+            for e in sorted(system.events.values(), key=lambda e: e.time)
+            if e.instance == f"car{k}.follower"
+        }
+        offset = [float(events.get(f"formation.{axis}", values[f"formation.{axis}"])) for axis in "xy"]
+        place[k] = (place[leader][0] + offset[0] - float(headway) * platoon.SPEED, place[leader][1] + offset[1])
+    gap = 12.0 + (float(headway) * platoon.SPEED if topology == "chain" else 0.0)
+    behind = float(headway) * platoon.SPEED if topology == "star" else 0.0
+    for k in range(2, 11):
+        assert place[k] == pytest.approx(((1 - k) * gap - behind, 0.0), abs=1e-6)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("remedy", [(), TOLD], ids=["headway", "the head's speed"])
+def test_ten_cars_of_full_stack(drive: Drive, remedy: tuple[str, ...]) -> None:
+    metrics, _ = drive(*remedy, manoeuvre="braking", stop=platoon.MERGE)
+    found = ratios(metrics, 10)
+    print({name: round(value, 3) for name, value in found.items()})
+    assert max(found.values()) <= 1.05
+    assert metrics["collision"] == 0.0
+
+
+@pytest.mark.nightly
+def test_ten_cars_of_full_stack_without_a_remedy(drive: Drive) -> None:
+    metrics, _ = drive(*CHAIN0, manoeuvre="braking", stop=platoon.MERGE)
+    assert metrics["string_ratio_max"] > 1.3
+
+
+@pytest.mark.nightly
+def test_ten_cars_of_full_stack_in_a_star(drive: Drive) -> None:
+    metrics, _ = drive(*STAR, manoeuvre="braking", stop=platoon.MERGE)
+    found = ratios(metrics, 10)
+    print({name: round(value, 3) for name, value in found.items()})
+    assert max(value for name, value in found.items() if name.endswith("rms")) <= 1.05
+    assert max(found.values()) <= 1.1
+
+
+@pytest.mark.nightly
+def test_all_events_with_ten_cars_of_full_stack(drive: Drive) -> None:
+    metrics, results = drive(manoeuvre="events")
+    assert max(ratios(metrics, 10).values()) <= 1.05
+    assert metrics["collision"] == 0.0
+    assert metrics["push_error_ahead_max"] < 0.05
+    _again, same = drive(manoeuvre="events", stop=10.0)
+    rows = same.time < 10.0
+    assert all(np.array_equal(same[name][rows], results[name][: rows.sum()]) for name in same.names)
