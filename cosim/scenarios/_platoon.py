@@ -17,22 +17,23 @@ swinging grows from car to car unless a >= gap/2; the hand point is therefore pu
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 
+from cosim.errors import CosimError
 from cosim.scenario import NumberSetting, Setting, Settings
 from cosim.scenarios import _excitation
-from cosim.scenarios._formation import HEAD, Cars, Change, Law, formation, name
+from cosim.scenarios import _platoon_row as row
+from cosim.scenarios._formation import HEAD, Cars, Law, formation, name
+from cosim.scenarios._formation_scenario import complete as complete_formation
 from cosim.scenarios._formation_scenario import formation_settings
 from cosim.scenarios._plans import kept
-from cosim.scenarios._topology import Place, Spacing, offsets, topology
+from cosim.scenarios._platoon_row import SPEED
+from cosim.scenarios._topology import Spacing
 from cosim.system import System
 
-SPEED = 25.0
-"""Of the platoon [m/s]; the headway that the gaps begin with is that of this speed."""
 PUSH, BRAKING, MERGE = 4.0, 20.0, 50.0
 """When [s] the events begin; each has died out when the next one begins."""
 END = 80.0
@@ -48,10 +49,9 @@ _TOLD = {"gain": 2.0, "adaptation.output": 0.01, "adaptation.hidden": 0.005, "bi
 it takes a network that learns slowly and a gain that the lags leave well damped. The network begins with nothing."""
 SWEEP = 0.8
 """Root mean square of the head's acceleration in the sweep [m/s2]; the largest is 2 m/s2."""
-PUSHED = 3
+_PUSHED = 3
 _FORCE, _FORCE_TIME = -6000.0, 1.0  # N, s
 _MOVE_IN = 14.0  # s after the gap began to open
-_SAME = 1e-6  # m
 _DURATION = 12.0  # s; a gap of one headway opens so slowly that nobody brakes hard
 _BRAKES = {
     **{"amplitude": 0.0, "initial_speed": SPEED, "turn.ratio": 0.0},
@@ -59,7 +59,6 @@ _BRAKES = {
     **{"acceleration": 2.0, "acceleration.start": BRAKING + 7, "acceleration.end": BRAKING + 13.5},
     **{"acceleration.rise": 0.5},
 }
-_LONGEST_HAND = 50.0  # m; what a follower accepts
 LAWS = {"adaptive": ("AdaptiveFollower", False), "constraint": ("ConstraintFollower", True)}
 """Model, and whether it wants to know its leader's motion."""
 SETTINGS = {
@@ -77,20 +76,33 @@ def system(settings: Settings) -> System:
     """The platoon and what happens to it."""
     size, gap = int(settings["vehicles"]), Spacing(settings["spacing"], settings["lateral_spacing"])
     cars = Cars(settings["plant"], reference=_reference(settings))
-    merging = _merging(settings) if happens(settings, "merge") else None
-    timetable = [] if merging is None else _merge(settings, merging)
+    merging = row.merging(settings) if happens(settings, "merge") else None
+    timetable = [] if merging is None else row.merge(settings, merging, (MERGE, MERGE + _MOVE_IN))
     made = formation(size, settings["topology"], _law(settings), timetable, settings, cars, gap)
-    _reach(made, settings)
+    row.reach(made, settings)
     if merging is not None:
-        _place(made, _seen(settings, _beside(settings, merging)))
+        row.start_beside(made, settings, merging)
     if happens(settings, "push"):
-        _push(made, min(PUSHED, size))
+        _push(made, pushed(settings))
     return made
+
+
+def complete(made: System, settings: Settings) -> None:
+    """As in every formation; raises CosimError for another trajectory than the sweep that is measured."""
+    file = str(made.instances[f"{name(HEAD)}reference"].parameters.get("trajectory_file", ""))
+    if happens(settings, "sweep") and file != str(_sweep_file()):
+        raise CosimError(f"{name(HEAD)}reference.trajectory_file is the sweep; choose another scenario.manoeuvre")
+    complete_formation(made, settings)
 
 
 def happens(settings: Settings, event: str) -> bool:
     """Whether `event` ("push", "braking", "merge", "sweep") is part of the manoeuvre."""
     return settings["manoeuvre"] == event or (settings["manoeuvre"] == "events" and event != "sweep")
+
+
+def pushed(settings: Settings) -> int:
+    """The car that is pushed: the third one."""
+    return min(_PUSHED, int(settings["vehicles"]))
 
 
 def _law(settings: Settings) -> Law:
@@ -118,65 +130,3 @@ def _sweep_file() -> Path:
 def _push(made: System, car: int) -> None:
     made.at(PUSH, f"{name(car)}plant.body_force.x", _FORCE)
     made.at(PUSH + _FORCE_TIME, f"{name(car)}plant.body_force.x", 0.0)
-
-
-def _merging(settings: Settings) -> int | None:
-    """The car in the middle, which comes from the lane to the left; none without a follower."""
-    size = int(settings["vehicles"])
-    return max(2, size // 2) if size > 1 else None
-
-
-def _merge(settings: Settings, merging: int) -> Sequence[Change]:
-    """Its followers open the gap beside it, then it moves in."""
-    row = _row(settings)
-    abreast = row | {merging: (row[merging][0], settings["lateral_spacing"])}
-    steps = (_beside(settings, merging), abreast, row)
-    seen = [_seen(settings, places) for places in steps]
-    return [
-        Change(time, {k: after[k] for k in after if math.dist(after[k], before[k]) > _SAME})
-        for time, before, after in zip((MERGE, MERGE + _MOVE_IN), seen[:-1], seen[1:], strict=True)
-    ]
-
-
-def _beside(settings: Settings, merging: int) -> dict[int, Place]:
-    """The cars behind have no gap for it yet; it drives half-way between its neighbours to be."""
-    row, slot = _row(settings), _slot(settings)
-    closed = {k: (x + slot if k > merging else x, y) for k, (x, y) in row.items()}
-    return closed | {merging: (row[merging][0] + 0.5 * slot, settings["lateral_spacing"])}
-
-
-def _row(settings: Settings) -> dict[int, Place]:
-    """Places [m] of all cars behind the head at SPEED."""
-    behind = settings["headway"] * SPEED if settings["topology"] == "star" else 0.0
-    cars = range(1, int(settings["vehicles"]) + 1)
-    return {k: ((1 - k) * _slot(settings) - behind * (k > HEAD), 0.0) for k in cars}
-
-
-def _slot(settings: Settings) -> float:
-    """From car to car [m]."""
-    return _gap(settings) if settings["topology"] == "chain" else float(settings["spacing"])
-
-
-def _gap(settings: Settings) -> float:
-    """From the head to the first follower, O1 to O1 [m]."""
-    return float(settings["spacing"] + settings["headway"] * SPEED)
-
-
-def _seen(settings: Settings, places: Mapping[int, Place]) -> dict[int, Place]:
-    """The offsets that give these places; the headway, which followers add by themselves, is taken out."""
-    found = offsets(topology(settings["topology"]).leaders(int(settings["vehicles"])), places)
-    return {k: (x + settings["headway"] * SPEED, y) for k, (x, y) in found.items()}
-
-
-def _reach(made: System, settings: Settings) -> None:
-    """Hand points where the leaders are, as far as a hand can be."""
-    row = _row(settings)
-    for k, leader in topology(settings["topology"]).leaders(len(row)).items():
-        distance = row[leader][0] - row[k][0]
-        made.instances[f"{name(k)}follower"].parameters["hand.distance"] = min(distance, _LONGEST_HAND)
-
-
-def _place(made: System, seen: Mapping[int, Place]) -> None:
-    for k, place in seen.items():
-        values = made.instances[f"{name(k)}follower"].parameters
-        values |= {f"formation.{axis}": place[i] for i, axis in enumerate("xy")}

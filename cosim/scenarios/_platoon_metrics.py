@@ -44,7 +44,7 @@ def _pushed(results: Results, errors: Mapping[int, Errors]) -> dict[str, float]:
     if not _over(results, _platoon.BRAKING):
         errors = {}
     sizes = {k: peak(during(results, e, _platoon.PUSH, _platoon.BRAKING)[:, 0]) for k, e in errors.items()}
-    car = _platoon.PUSHED
+    car = _platoon.pushed(results.settings)
     return {
         "push_error_max": sizes.get(car, math.nan),
         "push_error_ahead_max": max((v for k, v in sizes.items() if k < car), default=math.nan),

@@ -3,7 +3,7 @@
 from cosim.scenario import Scenario
 from cosim.scenarios import _platoon
 from cosim.scenarios._catalogue import fmu_path
-from cosim.scenarios._formation_scenario import complete, draw
+from cosim.scenarios._formation_scenario import draw
 from cosim.scenarios._platoon_metrics import platoon_metrics
 
 SCENARIO = Scenario(
@@ -12,7 +12,7 @@ SCENARIO = Scenario(
     figures="chapter 5 (no figure)",
     stop_time=_platoon.END,
     build=_platoon.system,
-    complete=complete,
+    complete=_platoon.complete,
     find=fmu_path,
     metrics=platoon_metrics,
     draw=draw,

@@ -10,8 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from cosim.errors import CosimError
 from cosim.results import Results
 from cosim.run import Request, run
+from cosim.scenario import configured
 from cosim.scenarios import _platoon as platoon
 from cosim.scenarios import load
 
@@ -100,12 +102,16 @@ def test_a_car_alone_is_a_platoon(drive: Drive) -> None:
     assert metrics["distance_min"] is None
 
 
+def test_another_trajectory_than_the_sweep_is_refused() -> None:
+    pairs = [("scenario.manoeuvre", "sweep"), ("car1.reference.trajectory_file", "other.csv")]
+    with pytest.raises(CosimError, match=r"is the sweep; choose another scenario\.manoeuvre"):
+        configured(load("platoon"), pairs)
+
+
 @pytest.mark.parametrize("topology", ["chain", "star"])
 @pytest.mark.parametrize("headway", ["0", "1"])
 def test_everybody_starts_and_ends_in_the_same_row(topology: str, headway: str) -> None:
     """Without driving: the offsets of the merge, summed from the head, with the headway each follower adds."""
-    from cosim.scenario import configured  # noqa: PLC0415
-
     pairs = [("scenario.topology", topology), ("scenario.headway", headway), ("scenario.plant", "unicycle")]
     system = configured(load("platoon"), pairs)
     place = {1: (0.0, 0.0)}
