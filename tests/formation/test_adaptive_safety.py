@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from adaptive_loop import Run, T, pose, simulate
+from adaptive_loop import KERNEL, Run, T, pose, simulate
+
+from fmukit.direct import Direct
+from fmus.controllers.adaptive_follower import COMPONENT
 
 LIMITS = {"command.speed": (8.0, 4.0), "command.yaw_rate": (3.0, 3.0)}
 """Fastest fall and rise of the commands per second: start values of limit.*."""
@@ -136,3 +139,25 @@ def test_yaw_angles_may_be_wrapped():
     plain, other = simulate(**same), simulate(**same, hear=wrapped)
     np.testing.assert_allclose(other.outputs["command.yaw_rate"], plain.outputs["command.yaw_rate"], atol=1e-9)
     np.testing.assert_allclose(other.z, plain.z, atol=1e-7)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_nothing_that_can_be_heard_makes_nan(seed):
+    """Inputs of any size up to 1e9, messages come and go, gains anywhere in their ranges."""
+    rng = np.random.default_rng(seed)
+    reals = [v for v in COMPONENT.interface.select("parameter") if v.type == "Real" and not v.name.startswith("design")]
+    factors = 10 ** rng.uniform(-2, 2, len(reals))
+    parameters = {
+        v.name: float(np.clip(v.start * f, v.minimum, v.maximum)) for v, f in zip(reals, factors, strict=True)
+    }
+    follower = Direct(COMPONENT, {**parameters, "sample_period": 0.02}, kernel=KERNEL)
+    names = follower.interface.names("input")
+    for size in 10.0 ** np.arange(-1, 10):
+        for _ in range(20):
+            heard = {"leader.age": abs(rng.normal()), "leader.valid": float(rng.random() > 0.1)}
+            place = {f"formation.{axis}": np.clip(size * rng.normal(), -1e5, 1e5) for axis in "xy"}
+            follower.set({**dict(zip(names, size * rng.normal(size=len(names)), strict=True)), **heard, **place})
+            follower.sample()
+            assert np.isfinite(follower.y).all()
+            assert np.isfinite(follower.x).all()
+            assert 0.0 <= follower["command.speed"] <= parameters["limit.speed"]

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import casadi as ca
 
 from fmukit.kernel import Kernel, Layout, Signals, sampled_kernel, stack, symbols
+from fmus.clip import clip
 from fmus.controllers.adaptive_follower import law, network, turning
 from fmus.controllers.adaptive_follower.interface import INTERFACE
 from fmus.controllers.formation import catch_up, hand, link, offset, realise
@@ -90,14 +91,14 @@ def _step() -> ca.Function:
 
 def _begun(p: Signals, u: Signals, state: Parts) -> Parts:
     """The state, at the first sample that of a follower that drives as it does, in its place; V and W as matrices."""
-    own = u["estimate.velocity.x"]
+    own, most = u["estimate.velocity.x"], realise.yaw_rate_limit(p, u["estimate.velocity.x"])
     bias = p["bias.own_speed"] * (1 - p["feedforward.enabled"]) * own
     first = ca.vertcat(bias, ca.SX.zeros(network.N2), 0, ca.SX.zeros(network.N2))
     start = {
         "W": first,
         "velocity": ca.vertcat(bias, 0),
         "speed": ca.fmax(own, 0),
-        "yaw_rate": u["estimate.yaw_rate"],
+        "yaw_rate": clip(u["estimate.yaw_rate"], -most, most),
         "offset": offset.start(_target(u)),
         "link": link.start(ca.fmax(own, 0)),
     }
