@@ -6,11 +6,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pyarrow as pa
 
 STREAM = "results.arrows"
 PARQUET = "results.parquet"
-_GROUP = 1 << 21  # values in a row group of the Parquet file: what is held in memory when it is written
+_GROUP = 1 << 22  # values in a row group of the Parquet file: what is held in memory when it is written
 
 
 def read_stream(path: Path) -> Any:
@@ -46,13 +47,20 @@ def write_parquet(stream: Path, path: Path) -> None:
 
 
 def _groups(reader: Any) -> Iterator[Any]:
-    """Tables of equally many rows but for the last, however long the chunks are, which a slow run cuts shorter."""
-    rows = 1 + _GROUP // len(reader.schema)
-    waiting = reader.schema.empty_table()
+    """Tables of equally many rows but for the last, however long the chunks are, which a slow run cuts shorter.
+
+    All show the same memory, each until the next is asked for. Arrow's own concatenation of a few rows of thousands of
+    columns takes many times the memory of their values.
+    """
+    group, filled = np.empty((len(reader.schema), 1 + _GROUP // len(reader.schema))), 0
     for batch in _batches(reader):
-        waiting = pa.concat_tables([waiting, pa.Table.from_batches([batch])])
-        while len(waiting) >= rows:
-            yield waiting.slice(0, rows).combine_chunks()
-            waiting = waiting.slice(rows)
-    if len(waiting):
-        yield waiting.combine_chunks()
+        values = batch.to_tensor(row_major=False).to_numpy().T if len(batch) else group[:, :0]
+        while values.shape[1]:
+            part = values[:, : group.shape[1] - filled]
+            group[:, filled : filled + part.shape[1]] = part
+            filled, values = filled + part.shape[1], values[:, part.shape[1] :]
+            if filled == group.shape[1]:
+                yield pa.Table.from_arrays([pa.array(column) for column in group], schema=reader.schema)
+                filled = 0
+    if filled:
+        yield pa.Table.from_arrays([pa.array(column) for column in group[:, :filled]], schema=reader.schema)
