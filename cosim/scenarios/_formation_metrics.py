@@ -6,7 +6,9 @@ point, which is what is controlled, in its own axes, actual minus desired:
     z = R(psi_i)^T (p_i - p_L - R(psi_L) r),   p_i = O1_i + a (cos psi_i, sin psi_i),   r = offset + (a, 0)
 
 p_L and psi_L are the leader's true pose now, not what the radio last said; the offset is the one wanted now, as the
-follower gives it. With a = 0 it is the error of O1, which in a bend is not zero for a follower without error.
+follower gives it. With a = 0 it is the error of O1, which in a bend is not zero for a follower without error. A
+follower far from its place may lead itself back along an offset of its own; how far it then is from the place commanded
+is the error of place, measured except while that place is being changed.
 Errors are taken at the instants at which the follower computed.
 """
 
@@ -24,6 +26,8 @@ from cosim.slave import Vector
 
 HAND = 6.0
 """Start value of the followers' `hand.distance` [m]."""
+DURATION = 6.0
+"""Start value of their `formation.duration` [s]."""
 SETTLED = 0.3
 """A change of formation is over when the hand point stays this near [m] to its new place (engineering choice)."""
 
@@ -63,7 +67,7 @@ def formation_metrics(results: Results, leaders: Mapping[int, int], begin: float
 
 _NAMES = (
     *("formation_error_rms", "formation_error_max", "position_error_rms", "position_error_max"),
-    *("settling_time", "change_error_max", "acceleration_rms", "lateral_acceleration_rms"),
+    *("place_error_max", "settling_time", "change_error_max", "acceleration_rms", "lateral_acceleration_rms"),
 )
 
 
@@ -71,9 +75,12 @@ def _of_follower(results: Results, car: int, leader: int, begin: float) -> dict[
     e = follower_errors(results, car, leader)
     late = e.time >= begin
     controlled, position = (np.linalg.norm(z[late], axis=1) for z in (e.hand, e.position))
-    changes = [c for c in formation_changes(e, commanded(results, car)) if c.begin >= begin]
+    command = commanded(results, car)
+    changes = [c for c in formation_changes(e, command) if c.begin >= begin]
+    there = late & settled_command(e.time, command, _told(results, car, "formation.duration", DURATION))
     values = (
         *(rms(controlled), peak(controlled), rms(position), peak(position)),
+        peak(np.linalg.norm(e.place[there], axis=1)),
         *(_worst([c.settling for c in changes], unknown=True), _worst([c.error for c in changes])),
         *(rms(values[late]) for values in efforts(results, car)),
     )
@@ -86,8 +93,7 @@ def follower_errors(results: Results, car: int, leader: int) -> Errors:
     rows = results.instants(f"car{car}.follower")
     own, ahead = pose(results, car, rows), pose(results, leader, rows)
     wanted = offsets(results, car)
-    place = commanded(results, car)
-    place = wanted if place is None else place - headway * np.stack((_speed(results, car, rows), 0 * rows), -1)
+    place = commanded(results, car) - headway * np.stack((_speed(results, car, rows), 0 * rows), -1)
     return Errors(
         time=results.time[rows],
         hand=error(own, ahead, wanted, hand),
@@ -113,28 +119,38 @@ def offsets(results: Results, car: int) -> Vector:
     return np.stack([results.samples(f"car{car}.follower", f"offset.{axis}") for axis in "xy"], -1)
 
 
-def commanded(results: Results, car: int) -> Vector | None:
-    """The offsets (n, 2) [m] commanded, which jump; None if they do not change during the run and are not recorded."""
-    names = [f"car{car}.follower.formation.{axis}" for axis in "xy"]
-    if not any(name in results for name in names):
-        return None
+def commanded(results: Results, car: int) -> Vector:
+    """The offsets (n, 2) [m] commanded at the follower's instants, which jump; an input that never changes is what was
+    set of it."""
     rows = results.instants(f"car{car}.follower")
-    smooth = offsets(results, car)
-    columns = [results[name][rows] if name in results else smooth[:, i] for i, name in enumerate(names)]
-    return np.stack(columns, -1)
+
+    def column(axis: str) -> Vector:
+        name, variable = f"car{car}.follower.formation.{axis}", f"formation.{axis}"
+        return results[name][rows] if name in results else np.full(len(rows), _told(results, car, variable, 0.0))
+
+    return np.stack([column(axis) for axis in "xy"], -1)
 
 
-def formation_changes(e: Errors, command: Vector | None, settled: float = SETTLED) -> list[Change]:
+def formation_changes(e: Errors, command: Vector, settled: float = SETTLED) -> list[Change]:
     """The changes of formation that `command` (n, 2) makes, each up to the next."""
-    if command is None:
-        return []
-    jumps = np.flatnonzero(np.any(np.diff(command, axis=0) != 0.0, axis=1)) + 1
+    jumps = _jumps(command)
     ends = [*jumps[1:], len(e.time)]
     far, size = np.linalg.norm(e.place, axis=1), np.linalg.norm(e.hand, axis=1)
     return [
         Change(float(e.time[i]), settling(e.time[i:j], far[i:j], settled), peak(size[i:j]))
         for i, j in zip(jumps, ends, strict=False)  # no jump, no change
     ]
+
+
+def settled_command(time: Vector, command: Vector, duration: float) -> np.ndarray:
+    """Where (n,) the last change of `command` (n, 2) is `duration` [s] ago, or there was none."""
+    begins = time[_jumps(command)][:, None]
+    return ~np.any((begins <= time) & (time < begins + duration), axis=0)
+
+
+def _jumps(command: Vector) -> np.ndarray:
+    """The rows at which it is another than before."""
+    return np.flatnonzero(np.any(np.diff(command, axis=0) != 0.0, axis=1)) + 1
 
 
 def settling(time: Vector, error: Vector, threshold: float) -> float:

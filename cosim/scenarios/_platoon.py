@@ -40,7 +40,7 @@ END = 80.0
 SETTLED = END - _excitation.PERIOD
 """When [s] the answer to the sweep has become periodic."""
 HEADWAY = 1.0
-"""[s]; with K = 3/s and K_i = 5.2/s2 a lag of the speed of 0.1 s needs 0.77 s, one of 0.2 s 0.91 s."""
+"""[s]; with K = 3/s and K_i = 5/s2 a lag of the speed of 0.1 s needs 0.78 s, one of 0.2 s 0.92 s."""
 GAIN = 3.0
 _FIRM = {"gain": GAIN, "adaptation.output": GAIN**2 / 7.0, "adaptation.hidden": GAIN**2 / 14.0}
 """K, F and G of adaptive followers: firmer than their start values, which halves errors and headway."""

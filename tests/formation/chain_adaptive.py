@@ -2,8 +2,8 @@
 
     v_c = -K z + W' sigma(V' xbar),  (tau_r + h) v_r' = v_c - v_r,  tau v' = v_r - v,  z = p - p_ahead + d + h v_r
 
-All followers at once: V (followers, 7, 10), W (followers, 11). Signals are deviations from a mean speed; the inputs of
-the network and the learnt speed are not.
+The hidden weights start as those of AdaptiveFollower. All followers at once: V (followers, 7, 10), W (followers, 11).
+Signals are deviations from a mean speed; the inputs of the network and the learnt speed are not.
 """
 
 from __future__ import annotations
@@ -13,7 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from chain_model import Drive, Motion
 
-NEURONS, INPUTS = 10, 7
+from fmus.controllers.adaptive_follower.network import first_hidden_weights
+
+NEURONS = 10
 
 
 @dataclass(frozen=True)
@@ -28,7 +30,7 @@ class Adaptive:
     mean: float = 25.0
 
     def hidden_weights(self) -> np.ndarray:
-        return np.random.default_rng(1).uniform(-1, 1, (INPUTS, NEURONS))
+        return np.array(first_hidden_weights())
 
     @property
     def integral(self) -> float:

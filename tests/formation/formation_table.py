@@ -15,7 +15,7 @@ STEP = 0.02
 def drive(
     poses: Mapping[int, np.ndarray],
     offsets: Mapping[int, tuple[float, float]],
-    parameters: Mapping[str, float] | None = None,
+    parameters: Mapping[str, float | str] | None = None,
     **columns: np.ndarray,
 ) -> Results:
     """Cars with poses x, y, yaw (n, 3) every 20 ms; `offsets` of the followers, constant unless `columns` say else.

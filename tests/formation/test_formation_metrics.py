@@ -90,6 +90,23 @@ def test_a_place_never_reached_has_no_settling_time_and_headway_is_part_of_the_p
         assert math.isnan(metrics.formation_metrics(results, {2: 1})["settling_time"]) == unknown
 
 
+def test_a_follower_that_leads_itself_back_is_far_from_its_place_though_it_has_no_error() -> None:
+    """It is commanded 17 m behind from 4 s on, is there at 10 s, and drops back by 30 m for a while at 15 s."""
+    leader = np.column_stack((20.0 * TIME, 0 * TIME, 0 * TIME))
+    offset = np.interp(TIME, [4.0, 10.0, 14.0, 15.0, 16.0], [-12.0, -17.0, -17.0, -47.0, -17.0])
+    own = leader + np.column_stack((offset, 0 * TIME, 0 * TIME))
+    jump = np.where(TIME >= 4.0, -17.0, -12.0)
+    columns = {"car2__follower__formation__x": jump, "car2__follower__offset__x": offset}
+    found = metrics.formation_metrics(drive({1: leader, 2: own}, {2: (0.0, 0.0)}, **columns), {2: 1})
+    assert found["formation_error_max"] < 1e-9
+    assert found["place_error_max"] == pytest.approx(30.0)
+    calm = metrics.formation_metrics(drive({1: leader, 2: leader - [12.0, 0.0, 0.0]}, {2: (-12.0, 0.0)}), {2: 1})
+    assert calm["place_error_max"] == 12.0  # it was never told where to be, so beside its leader
+    told = {"formation.x": "-12", "formation.y": 0.0}
+    calm = metrics.formation_metrics(drive({1: leader, 2: leader - [12.0, 0.0, 0.0]}, {2: (-12.0, 0.0)}, told), {2: 1})
+    assert calm["place_error_max"] < 1e-9
+
+
 def test_without_followers_everything_is_unknown() -> None:
     results = drive({1: random_poses(1)}, {})
     found = metrics.formation_metrics(results, {}) | distance_metrics(results, [1])
@@ -148,15 +165,18 @@ def test_a_touch_in_any_block_of_times_is_seen(monkeypatch: pytest.MonkeyPatch) 
     assert smallest_distance(poses, CAR) == pytest.approx(10.0 - 4.3)
 
 
-def test_the_hand_point_assumed_is_that_of_the_followers() -> None:
+def test_what_is_assumed_of_followers_is_their_start_value() -> None:
     file = Path(bus.__file__).with_name("parameters.toml")
-    assert {v.name: v.start for v in load_parameters(file)}["hand.distance"] == metrics.HAND
+    starts = {v.name: v.start for v in load_parameters(file)}
+    assert starts["hand.distance"] == metrics.HAND
+    assert starts["formation.duration"] == metrics.DURATION
 
 
 @pytest.mark.parametrize(
     ("name", "unit"),
     [
         ("car12.formation_error_rms", "m"),
+        ("car2.place_error_max", "m"),
         ("car2.lateral_acceleration_rms", "m/s2"),
         ("car2.lateral_error_max", "m"),
         ("car3.settling_time", "s"),

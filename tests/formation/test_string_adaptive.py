@@ -20,7 +20,7 @@ FIRM = {"gain": GAIN, "output": GAIN**2 / 7, "hidden": GAIN**2 / 14}
 @pytest.mark.parametrize("headway", [0.0, HEADWAY])
 @pytest.mark.parametrize("acceleration", [0.02, 0.5])
 def test_the_network_passes_a_sweep_on_as_the_linear_law_does(headway: float, acceleration: float) -> None:
-    """The bias integrates with K_i = F sigma'(sigma - sigma' a) = 2.3/s2; the hidden weights hardly matter."""
+    """The bias integrates with K_i = F sigma'(sigma - sigma' a) = 2.2/s2; the hidden weights hardly matter."""
     law = Adaptive(headway=headway, lag=0.1)
     drive = simulate(law, swept(acceleration), 3, SETTLE + PERIOD)
     late = drive.speeds[drive.time >= SETTLE - 1e-9]
@@ -47,8 +47,8 @@ def test_the_headway_at_which_nothing_grows(lag: float, output: float) -> None:
 
 def test_the_headway_of_the_platoon_is_beyond_that() -> None:
     """With a lag of 0.1 or 0.2 s nothing grows; with 0.3 s little."""
-    assert Adaptive(**FIRM).integral == pytest.approx(5.2, abs=0.1)
-    for lag, bound in ((0.1, 1.0), (0.2, 1.0), (0.3, 1.02)):
+    assert Adaptive(**FIRM).integral == pytest.approx(5.0, abs=0.1)
+    for lag, bound in ((0.1, 1.0), (0.2, 1.0), (0.3, 1.03)):
         assert np.abs(transfer(Adaptive(**FIRM, lag=lag, headway=HEADWAY), FREQUENCIES)).max() <= bound + 1e-9
 
 
