@@ -23,13 +23,14 @@ from cosim.system import System
 MOST = 100
 _RECORD = 0.02
 """Seconds from row to row: the period of the followers. A row every millisecond would be gigabytes for ten cars."""
+_SPACING = 10.0  # m; 5.3 m from bumper to bumper
 _IN_A_ROW = ("chain", "star")
 Shapes = Sequence[tuple[float, str]]
 """When [s] the formation changes to which shape."""
 
 
-def formation_settings(vehicles: int, kind: str) -> dict[str, Setting | NumberSetting]:
-    """The settings of a formation that has `vehicles` cars and the topology `kind` unless told otherwise."""
+def formation_settings(vehicles: int, kind: str, spacing: float = 12.0) -> dict[str, Setting | NumberSetting]:
+    """The settings of a formation: of `vehicles` cars, topology `kind` and `spacing` [m] unless told otherwise."""
     return {
         "vehicles": NumberSetting(vehicles, 1, MOST, "1", "number of cars, the head included", whole=True),
         "topology": Setting(kind, tuple(TOPOLOGIES), "who follows whom, and the shape at the start"),
@@ -38,7 +39,7 @@ def formation_settings(vehicles: int, kind: str) -> dict[str, Setting | NumberSe
         "radio": Setting("on", ("on", "off"), "messages at 10 Hz, late and noisy; off: known at once"),
         "headway": NumberSetting(0.0, 0.0, 3.0, "s", "the wanted place moves back by this times the own speed"),
         "feedforward": Setting("off", ("on", "off"), "the head broadcasts its speed to all followers"),
-        "spacing": NumberSetting(12.0, 6.0, 100.0, "m", "from rank to rank, O1 to O1"),
+        "spacing": NumberSetting(spacing, 6.0, 100.0, "m", "from rank to rank, O1 to O1"),
         "lateral_spacing": NumberSetting(4.0, 2.5, 20.0, "m", "from file to file"),
         "initial_error": NumberSetting(0.0, 0.0, 10.0, "m", "how far followers start beside their places, about"),
     }
@@ -71,7 +72,7 @@ def formation_scenario(
         metrics=metrics,
         draw=draw,
         record_every=_RECORD,
-        settings=formation_settings(4, kind),
+        settings=formation_settings(4, kind, _SPACING),
     )
 
 

@@ -1,7 +1,7 @@
-"""Four cars in a diamond, whose followers learn the motion of their leader with a neural network.
+"""Four cars in a V, whose followers learn the motion of their leader with a neural network.
 
-In a diamond all three followers see the head, two beside and one behind it; with more cars the tails lead the next
-groups. In a chain the last one would react to the third-hand reactions of two others.
+In a V everybody keeps to a car diagonally ahead, never far away: the further behind a place is, the faster a bend of
+the leader moves it sideways, and that has to be learnt first.
 """
 
 from cosim.scenarios._formation import Cars, Law
@@ -27,5 +27,5 @@ SCENARIO = formation_scenario(
     30.0,
     law=Law("AdaptiveFollower", motion=False, parameters=_FIRM, told=_TOLD),
     cars=Cars(reference=weaving(5.0)),
-    kind="diamond",
+    kind="v",
 )

@@ -6,9 +6,11 @@ All three followers see the head throughout: only their places change, at 15 and
 from cosim.scenarios._formation import Cars, Law
 from cosim.scenarios._formation_scenario import formation_scenario, weaving
 
-_FIRM = {"omega_n": 2.0}
-"""In a line the last car is 36 m behind the head, and any bend of the head moves its place sideways; the follower
-learns of that by radio. At 2 rad/s it makes good within two seconds what it could not foresee."""
+_FIRM = {"omega_n": 2.0, "hand.distance": 4.0}
+"""In a line the last car is 30 m behind the head, and any bend of the head moves its place sideways; the follower
+learns of that by radio. At 2 rad/s it makes good within two seconds what it could not foresee. In a bend O1 lags behind
+the hand point, which is what is controlled, in proportion to their distance; the delays of the car being made up for,
+4 m are enough."""
 
 SCENARIO = formation_scenario(
     "formation-constraint",
