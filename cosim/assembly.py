@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
 
 from cosim.clock import SECOND, nanoseconds
 from cosim.errors import CosimError, unknown
@@ -48,7 +49,7 @@ class Change:
 class Node:
     """One instance, checked. `period` [ns]; `values` are set before initialisation; `incoming` by input name.
 
-    `changes` of unconnected inputs during the run, in order of time.
+    `changes` of unconnected inputs during the run, in order of time. `outputs` are the Real outputs that are fetched.
     """
 
     name: str
@@ -57,6 +58,10 @@ class Node:
     values: dict[str, Value]
     incoming: dict[str, Connection] = field(default_factory=dict)
     changes: list[Change] = field(default_factory=list)
+    outputs: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        self.outputs = self.face.outputs
 
 
 def assemble(system: System, faces: Mapping[str, Face], seed: int, step: float | None = None) -> dict[str, Node]:
@@ -77,6 +82,20 @@ def assemble(system: System, faces: Mapping[str, Face], seed: int, step: float |
     for event in sorted(system.events.values(), key=lambda event: event.time):
         _schedule(nodes[event.instance], event)
     return nodes
+
+
+def leave_out(nodes: Mapping[str, Node], patterns: Sequence[str]) -> None:
+    """Outputs that nothing reads are not fetched if their signal matches a pattern such as *.tyre_force_x.fl."""
+    read = {(connection.source, connection.output) for node in nodes.values() for connection in node.incoming.values()}
+    for node in nodes.values():
+        node.outputs = tuple(
+            name for name in node.outputs if (node.name, name) in read or not matches(f"{node.name}.{name}", patterns)
+        )
+
+
+def matches(signal: str, patterns: Sequence[str]) -> bool:
+    """Whether `signal` is like any of the patterns, in which * stands for anything."""
+    return any(fnmatchcase(signal, pattern) for pattern in patterns)
 
 
 def derived_seed(seed: int, instance: str) -> int:

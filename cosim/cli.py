@@ -96,6 +96,9 @@ def run(
     record_every: Annotated[
         float | None, typer.Option(metavar="S", help="Time between two recorded rows [s]; 0 records at every tick.")
     ] = None,
+    record_all: Annotated[
+        bool, typer.Option("--record-all", help="Record the signals too that the scenario leaves out.")
+    ] = False,
     explain: Annotated[bool, typer.Option("--explain", help="Print order, periods, edges and conversions.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON and nothing else.")] = False,
@@ -112,7 +115,7 @@ def run(
     scenario = scenarios.load(name)
     target = folder if folder is not None else Path("results") / name
     values, changes = parse_assignments(assignments or []), parse_events(events or [])
-    request = Request(scenario, target, values, seed, stop_time, scheme, step, changes, record_every)
+    request = Request(scenario, target, values, seed, stop_time, scheme, step, changes, record_every, record_all)
     stop = stop_time if stop_time is not None else scenario.stop_time
     explainer = display.explainer(to_stderr=as_json or quiet) if explain else display.silent
     with display.progress(stop, shown=not (quiet or as_json)) as progress:

@@ -59,7 +59,7 @@ class Master:
 
     def __init__(self, nodes: Mapping[str, Node], schedule: Schedule, slaves: Mapping[str, Slave]) -> None:
         self.schedule = schedule
-        outputs = [_signal(node, name) for node in nodes.values() for name in node.face.outputs]
+        outputs = [_signal(node, name) for node in nodes.values() for name in node.outputs]
         changed = [_signal(node, name) for node in nodes.values() for name in changes.shown(node)]
         self.signals = outputs + changed
         self.vector: Vector = np.zeros(1 + len(self.signals))
@@ -201,7 +201,7 @@ class Master:
             bound.check(bound.calls.get())
 
     def _bind(self, node: Node, slave: Slave) -> Bound:
-        outputs = node.face.outputs
+        outputs = node.outputs
         first = self._index[f"{node.name}.{outputs[0]}"] if outputs else 0
         u, step = np.zeros(len(node.incoming)), c_double(to_seconds(node.period))
         y = self.vector[first : first + len(outputs)]

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
+from cosim.assembly import matches
 from cosim.clock import SECOND, to_seconds
 from cosim.master import Signal
 from cosim.slave import Vector
@@ -24,9 +25,13 @@ _PATIENCE = 2.0  # [s] of wall time
 _ARRAY = re.compile(r"\[\d+]")
 
 
-def recorded(signals: Iterable[Signal]) -> list[int]:
-    """Which signals (by position) are recorded by default: all but the elements of array signals like preview[3].x."""
-    return [i for i, signal in enumerate(signals) if not _ARRAY.search(signal.variable)]
+def recorded(signals: Iterable[Signal], unrecorded: Sequence[str] = ()) -> list[int]:
+    """Which signals (by position) are recorded: all but those that match a pattern of `unrecorded`.
+
+    Elements of array signals like preview[3].x never are.
+    """
+    found = [(i, signal) for i, signal in enumerate(signals) if not _ARRAY.search(signal.variable)]
+    return [i for i, signal in found if not matches(signal.name, unrecorded)]
 
 
 class Recorder:

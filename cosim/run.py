@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from cosim.advice import pass_on
-from cosim.assembly import Node, assemble
+from cosim.assembly import Node, assemble, leave_out
 from cosim.clock import SECOND, nanoseconds, to_seconds
 from cosim.errors import CosimError, because
 from cosim.loader import Loader
@@ -34,7 +34,10 @@ Load = Callable[[], Mapping[str, Slave]]
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """What is going to run: shown by --explain. `stop` and `record_every` [ns]; 0 records at every tick."""
+    """What is going to run: shown by --explain. `stop` and `record_every` [ns]; 0 records at every tick.
+
+    Signals that match a pattern of `unrecorded` are not recorded.
+    """
 
     scenario: Scenario
     nodes: dict[str, Node]
@@ -42,6 +45,7 @@ class Plan:
     stop: int
     seed: int
     record_every: int = 0
+    unrecorded: Sequence[str] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +54,7 @@ class Request:
 
     `step` [s], if given, is the communication step of all instances instead of a period for each. `events` are
     (time [s], instance.variable, text), besides those of the scenario. `record_every` [s] in place of the scenario's.
+    `record_all` records what the scenario leaves out, too.
     """
 
     scenario: Scenario
@@ -61,6 +66,7 @@ class Request:
     step: float | None = None
     events: Sequence[tuple[float, str, str]] = ()
     record_every: float | None = None
+    record_all: bool = False
 
     @property
     def stop(self) -> int:
@@ -85,11 +91,13 @@ def run(
     A slave that fails or an interrupt end the run with that status; what was recorded until then is kept.
     """
     scenario, stop, interval = request.scenario, request.stop, request.interval
+    unrecorded = () if request.record_all else scenario.unrecorded
     system = requested(request)
     with Loader(scenario.find) as loader:
         nodes = assemble(system, loader.faces(system), request.seed, request.step)
         in_time(request, nodes)
-        plan = Plan(scenario, nodes, schedule(nodes, request.scheme), stop, request.seed, interval)
+        leave_out(nodes, unrecorded)
+        plan = Plan(scenario, nodes, schedule(nodes, request.scheme), stop, request.seed, interval, unrecorded)
         explain(plan)
         outcome = execute(plan, lambda: loader.slaves(system, nodes), request.folder, progress)
     return _conclude(plan, outcome, request)
@@ -141,8 +149,8 @@ def _recorder(folder: Path, master: Master, plan: Plan) -> Recorder:
         folder.mkdir(parents=True, exist_ok=True)
         for name in WRITTEN:
             (folder / name).unlink(missing_ok=True)
-        chosen_signals = recorded(master.signals)
-        return Recorder(folder, master.vector, master.signals, chosen_signals, plan.record_every, plan.stop)
+        kept = recorded(master.signals, plan.unrecorded)
+        return Recorder(folder, master.vector, master.signals, kept, plan.record_every, plan.stop)
     except OSError as error:
         raise CosimError(f"cannot write into {error.filename or folder}: {because(error)}") from None
 

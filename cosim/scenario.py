@@ -80,7 +80,8 @@ class Scenario:
     """`figures` names what of the thesis it reproduces; `find` gives the .fmu file of a catalogue name.
 
     `complete(system, settings)` derives what follows from the user's values once they are set, `draw` makes a picture
-    of the results. A row is recorded every `record_every` [s]; 0 is at every tick.
+    of the results. A row is recorded every `record_every` [s]; 0 is at every tick. Signals that match a pattern of
+    `unrecorded`, such as *.tyre_force_x.fl, are left out of the results.
     """
 
     name: str
@@ -94,6 +95,7 @@ class Scenario:
     draw: Callable[[Results, Path, str], None] | None = None
     settings: Mapping[str, Setting | NumberSetting] = field(default_factory=dict)
     record_every: float = 0.0
+    unrecorded: Sequence[str] = ()
 
 
 def chosen(scenario: Scenario, assignments: Sequence[tuple[str, str]]) -> Settings:

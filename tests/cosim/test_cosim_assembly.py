@@ -3,7 +3,7 @@
 import pytest
 from cosim_mocks import RADIAN, UNITS, face
 
-from cosim.assembly import assemble, derived_seed
+from cosim.assembly import assemble, derived_seed, leave_out
 from cosim.errors import CosimError
 from cosim.face import Face, Port
 from cosim.system import System, parse_assignments
@@ -177,3 +177,15 @@ def test_a_name_is_no_pattern():
 def test_a_pattern_that_fits_nothing_is_said(pattern):
     with pytest.raises(CosimError, match=r"no instance fits the pattern .* as in car\*\.llc\.filter\.speed"):
         cars("car1.plant.wheel", "car1.llc.left").set(pattern, 1)
+
+
+def test_what_nothing_reads_can_be_left_out():
+    system = System()
+    system.add("car1", "Mock")
+    system.add("car2", "Mock")
+    system.connect("car1", "car2", {"x": "wheel.fl"})
+    faces = dict.fromkeys(("car1", "car2"), face({"x": "m"}, {"wheel.fl": "m", "wheel.fr": "m", "y": "m"}))
+    nodes = assemble(system, faces, 0)
+    leave_out(nodes, ["*.f?", "car2.y"])
+    assert nodes["car1"].outputs == ("wheel.fl", "y"), "the one that is read stays"
+    assert nodes["car2"].outputs == ()

@@ -3,6 +3,7 @@
 import json
 import sys
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -99,6 +100,16 @@ def test_rows_only_every_so_often(cosim, tmp_path):
         2,
         "cosim: the time between two recorded rows is -1 s; it must be positive and finite\n",
     )
+
+
+def test_signals_left_out_are_recorded_when_asked_for(cosim, tmp_path, monkeypatch):
+    tanks = scenarios.load("tanks")
+    metrics = {"metrics": lambda _results: {}, "unrecorded": ("*.lev?l",)}
+    monkeypatch.setattr(scenarios, "load", lambda _name: replace(tanks, **metrics))
+    whole, part = tmp_path / "whole", tmp_path / "part"
+    assert cosim("run", "tanks", "-o", str(whole), "--quiet", "--record-all")[0] == 0
+    assert cosim("run", "tanks", "-o", str(part), "--quiet")[0] == 0
+    assert (load_results(whole, {}).names, load_results(part, {}).names) == (["first.level", "second.level"], [])
 
 
 def test_json_is_all_that_goes_to_stdout(cosim, tmp_path):
