@@ -3,7 +3,7 @@
 from cosim.scenario import Scenario
 from cosim.scenarios import _platoon
 from cosim.scenarios._catalogue import fmu_path
-from cosim.scenarios._formation_scenario import draw
+from cosim.scenarios._formation_scenario import UNRECORDED, draw
 from cosim.scenarios._platoon_metrics import platoon_metrics
 
 SCENARIO = Scenario(
@@ -17,5 +17,6 @@ SCENARIO = Scenario(
     metrics=platoon_metrics,
     draw=draw,
     record_every=0.02,
+    unrecorded=UNRECORDED,
     settings=_platoon.SETTINGS,
 )
