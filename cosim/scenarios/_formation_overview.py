@@ -19,6 +19,13 @@ _DRAWN = 8  # instants at which the cars are drawn
 _GAP = 10.0  # m, between two instants side by side
 _NAMED = 8  # cars beyond it have no name in the legends
 _AXES = (("x", "ahead of the leader"), ("y", "to the left of the leader"))
+_INSIDE = (
+    ("learnt speed of the wanted place", "m/s", ("velocity.x",)),
+    ("size of the output weights |W|", "m/s", ("weights.norm",)),
+    ("multipliers of the constraint, east; dotted: north", "m/s2", ("multiplier.offset.x", "multiplier.offset.y")),
+    ("rate of the leader's speed; dotted: lateral", "m/s2", ("leader.acceleration.x", "leader.acceleration.y")),
+)
+"""Titles, units and outputs, the second dotted."""
 Curve = Callable[[Results, int], tuple[Vector, Vector]]
 """Of a car: times and values."""
 
@@ -32,7 +39,7 @@ def draw_overview(results: Results, file: Path, title: str, leaders: Mapping[int
     ]
     if leaders:
         errors = {k: follower_errors(results, k, leader) for k, leader in leaders.items()}
-        panels = [*_kept(errors), *panels, *_places(leaders), *_told(leaders)]
+        panels = [*_kept(errors), *panels, *_places(leaders), *_told(leaders), *_of_law(results, leaders)]
     draw_page(results, file, title, lambda r, axes: _paths(r, axes, cars), panels, path_rows=2)
 
 
@@ -113,6 +120,15 @@ def _told(leaders: Mapping[int, int]) -> list[Panel]:
             _column("follower.command.yaw_rate"),
             _column("follower.saturation.yaw_rate"),
         ),
+    ]
+
+
+def _of_law(results: Results, leaders: Mapping[int, int]) -> list[Panel]:
+    """What only the followers' law has."""
+    return [
+        _curves(title, unit, leaders, *(_column(f"follower.{name}") for name in names))
+        for title, unit, names in _INSIDE
+        if f"car{min(leaders)}.follower.{names[0]}" in results
     ]
 
 
