@@ -47,6 +47,8 @@ _FIRM = {"gain": GAIN, "adaptation.output": GAIN**2 / 7.0, "adaptation.hidden": 
 _TOLD = {"gain": 2.0, "adaptation.output": 0.01, "adaptation.hidden": 0.005, "bias.own_speed": False}
 """The same while they are told the head's speed, which makes errors small but not their ratio: that is T of the law, so
 it takes a network that learns slowly and a gain that the lags leave well damped. The network begins with nothing."""
+_BACK = {"headway.filter": 5.0}
+"""Of constraint followers: with the slower filter they start with, they pass on fast motions as without headway."""
 SWEEP = 0.8
 """Root mean square of the head's acceleration in the sweep [m/s2]; the largest is 2 m/s2."""
 _PUSHED = 3
@@ -107,7 +109,7 @@ def pushed(settings: Settings) -> int:
 
 def _law(settings: Settings) -> Law:
     model, motion = LAWS[settings["law"]]
-    own, told = ({}, {}) if motion else (_FIRM, _TOLD)
+    own, told = (_BACK, {}) if motion else (_FIRM, _TOLD)
     return Law(model, motion, {"formation.duration": _DURATION, **own}, told)
 
 
