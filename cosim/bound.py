@@ -16,12 +16,16 @@ Action = Callable[[], object]
 
 
 class Bound:
-    """A slave, its calls, and the copy that gathers its inputs; counts steps and time [ns] spent in the slave."""
+    """A slave, its calls, and the copy that gathers its inputs; counts steps and time [ns] spent in the slave.
 
-    __slots__ = ("calls", "count", "gather", "node", "slave", "step", "time")
+    `publish` shows the outputs got last to all others, of a slave that does not write them straight into their vector.
+    """
 
-    def __init__(self, node: Node, slave: Slave, calls: Calls, gather: Action, step: c_double) -> None:
-        self.node, self.slave, self.calls, self.gather, self.step = node, slave, calls, gather, step
+    __slots__ = ("calls", "count", "gather", "node", "publish", "slave", "step", "time")
+
+    def __init__(self, node: Node, slave: Slave, calls: Calls, gather: Action, publish: Action, step: c_double) -> None:
+        self.node, self.slave, self.calls, self.step = node, slave, calls, step
+        self.gather, self.publish = gather, publish
         self.count = self.time = 0
 
     def check(self, status: int) -> None:
@@ -41,27 +45,6 @@ class Bound:
                 status = get()
         self.time += perf_counter_ns() - start
         self.count += 1
-        if status > WARNING:
-            self.check(status)
-
-    def proceed(self) -> None:
-        """Gather, set, step: the master's vector stays as it is, so those who step together may do so in turn."""
-        self.gather()
-        set_, step, _ = self.calls
-        start = perf_counter_ns()
-        status = set_()
-        if status <= WARNING:
-            status = step()
-        self.time += perf_counter_ns() - start
-        self.count += 1
-        if status > WARNING:
-            self.check(status)
-
-    def publish(self) -> None:
-        """Write the outputs into the master's vector."""
-        start = perf_counter_ns()
-        status = self.calls.get()
-        self.time += perf_counter_ns() - start
         if status > WARNING:
             self.check(status)
 

@@ -1,7 +1,8 @@
 """The multirate master: integer time, one signal vector, and at each tick a flat list of bound calls.
 
 At a tick t: parallel slaves whose step ends at t publish their outputs; due sequential slaves run in dataflow order,
-each reading the newest signals; the recorder takes a row; due parallel slaves take their inputs and step together.
+each reading the newest signals; the recorder takes a row; due parallel slaves take their inputs and step together, and
+keep their outputs for the end of the step.
 Inputs that events change are set just before their slave takes its other inputs.
 Sequential are the sampled slaves and parallel the continuous ones; with the scheme "jacobi" all are parallel.
 """
@@ -182,7 +183,7 @@ class Master:
             *(bound.publish for bound in parallel),
             *sequential,
             record,
-            *(bound.proceed for bound in parallel),
+            *(bound.exchange for bound in parallel),
         ]
 
     def _finish(self, stop: int, record: Action) -> None:
@@ -199,14 +200,20 @@ class Master:
             if leave:
                 self._slaves[name].leave()
             bound.check(bound.calls.get())
+            bound.publish()
 
     def _bind(self, node: Node, slave: Slave) -> Bound:
         outputs = node.outputs
         first = self._index[f"{node.name}.{outputs[0]}"] if outputs else 0
         u, step = np.zeros(len(node.incoming)), c_double(to_seconds(node.period))
-        y = self.vector[first : first + len(outputs)]
+        shown = self.vector[first : first + len(outputs)]
+        y = shown
+        publish: Action = int
+        if node.name in self.schedule.parallel:  # the outputs belong to the end of the step
+            y = shown.copy()
+            publish = partial(np.copyto, shown, y)
         calls = slave.bind(Memory(self._time, step, tuple(node.incoming), u, outputs, y))
-        return Bound(node, slave, calls, gather(node, self.vector, self._index, u), step)
+        return Bound(node, slave, calls, gather(node, self.vector, self._index, u), publish, step)
 
 
 def _signal(node: Node, name: str) -> Signal:

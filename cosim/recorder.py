@@ -60,7 +60,7 @@ class Recorder:
         schema = _schema([signals[i] for i in chosen])
         self._batch = pa.record_batch([pa.array(column) for column in self._columns], schema=schema)
         self._take = vector.take
-        self._filled = 0
+        self._filled = self._written = 0
         self._flushed = monotonic()
         self._sink = pa.OSFile(str(folder / STREAM), "wb")
         self._writer = pa.ipc.new_stream(self._sink, schema)
@@ -95,6 +95,7 @@ class Recorder:
             self._sink.close()
             os.truncate(self._folder / STREAM, whole)
             raise
+        self._written += self._filled
         self._filled = 0
         self._flushed = monotonic()
 
@@ -116,7 +117,7 @@ class Recorder:
         finally:
             self._sink.close()
             stream = self._folder / STREAM
-            write_parquet(stream, self._folder / PARQUET)
+            write_parquet(stream, self._folder / PARQUET, self._written)
             stream.unlink()
 
 

@@ -29,8 +29,8 @@ def _batches(reader: Any) -> Iterator[Any]:
             return
 
 
-def write_parquet(stream: Path, path: Path) -> None:
-    """Write what is in the stream file to `path`, which then is whole: on OSError no file is left."""
+def write_parquet(stream: Path, path: Path, rows: int) -> None:
+    """Write the `rows` in the stream file to `path`, which then is whole: on OSError no file is left."""
     from pyarrow import parquet  # noqa: PLC0415  (slow to import, and needed only when the run is over)
 
     partial = path.with_suffix(".partial")
@@ -38,7 +38,7 @@ def write_parquet(stream: Path, path: Path) -> None:
         with stream.open("rb") as source:
             reader = pa.ipc.open_stream(source)
             with parquet.ParquetWriter(partial, reader.schema, compression="zstd", use_dictionary=False) as writer:
-                for group in _groups(reader):
+                for group in _groups(reader, rows):
                     writer.write_table(group)
     except OSError:
         partial.unlink(missing_ok=True)
@@ -46,13 +46,13 @@ def write_parquet(stream: Path, path: Path) -> None:
     partial.replace(path)
 
 
-def _groups(reader: Any) -> Iterator[Any]:
+def _groups(reader: Any, rows: int) -> Iterator[Any]:
     """Tables of equally many rows but for the last, however long the chunks are, which a slow run cuts shorter.
 
     All show the same memory, each until the next is asked for. Arrow's own concatenation of a few rows of thousands of
     columns takes many times the memory of their values.
     """
-    group, filled = np.empty((len(reader.schema), 1 + _GROUP // len(reader.schema))), 0
+    group, filled = np.empty((len(reader.schema), max(1, min(rows, 1 + _GROUP // len(reader.schema))))), 0
     for batch in _batches(reader):
         values = batch.to_tensor(row_major=False).to_numpy().T if len(batch) else group[:, :0]
         while values.shape[1]:
