@@ -40,6 +40,14 @@ def test_four_multibody_cars_keep_their_places_at_20_to_30_metres_per_second(nam
     assert np.max(np.abs(results["car1.plant.angular_rate.z"])) > 0.11
 
 
+def test_no_follower_swings_when_the_head_drives_straight_on(scenario_run):
+    _, results = scenario_run("formation-adaptive")
+    straight = results.time > 25.0
+    assert np.max(np.abs(results["car1.plant.angular_rate.z"][straight])) < 0.02
+    for k in (2, 3, 4):
+        assert np.std(results[f"car{k}.plant.angular_rate.z"][straight]) < 0.04
+
+
 def test_the_formation_changes_within_8_seconds(scenario_run):
     summary, results = scenario_run("formation-constraint")
     for k in (2, 3, 4):
