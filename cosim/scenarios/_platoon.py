@@ -17,7 +17,6 @@ swinging grows from car to car unless a >= gap/2; the hand point is therefore pu
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -32,11 +31,13 @@ from cosim.scenarios._formation_scenario import formation_settings
 from cosim.scenarios._plans import kept
 from cosim.scenarios._platoon_row import SPEED
 from cosim.scenarios._topology import Spacing
+from cosim.slave import Vector
 from cosim.system import System
 
-PUSH, BRAKING, MERGE = 4.0, 20.0, 50.0
-"""When [s] the events begin; each has died out when the next one begins."""
 END = 80.0
+_ALL = {"push": (4.0, 16.0), "merge": (16.0, 46.0), "braking": (46.0, 78.0), "sweep": (0.0, END)}
+_ALONE = {"push": (4.0, 16.0), "merge": (4.0, 34.0), "braking": (8.0, 40.0), "sweep": (0.0, END)}
+"""When [s] each event begins and has died out, in all events together and alone."""
 SETTLED = END - _excitation.PERIOD
 """When [s] the answer to the sweep has become periodic."""
 HEADWAY = 1.0
@@ -55,12 +56,6 @@ _PUSHED = 3
 _FORCE, _FORCE_TIME = -6000.0, 1.0  # N, s
 _MOVE_IN = 14.0  # s after the gap began to open
 _DURATION = 12.0  # s; a gap of one headway opens so slowly that nobody brakes hard
-_BRAKES = {
-    **{"amplitude": 0.0, "initial_speed": SPEED, "turn.ratio": 0.0},
-    **{"deceleration": 4.0, "deceleration.start": BRAKING, "deceleration.end": BRAKING + 3.5, "deceleration.rise": 0.5},
-    **{"acceleration": 2.0, "acceleration.start": BRAKING + 7, "acceleration.end": BRAKING + 13.5},
-    **{"acceleration.rise": 0.5},
-}
 LAWS = {"adaptive": ("AdaptiveFollower", False), "constraint": ("ConstraintFollower", True)}
 """Model, and whether it wants to know its leader's motion."""
 SETTINGS = {
@@ -77,23 +72,25 @@ SETTINGS = {
 def system(settings: Settings) -> System:
     """The platoon and what happens to it."""
     size, gap = int(settings["vehicles"]), Spacing(settings["spacing"], settings["lateral_spacing"])
-    cars = Cars(settings["plant"], reference=_reference(settings))
+    cars = Cars(settings["plant"], reference={"trajectory_file": str(_head_file(settings))})
     merging = row.merging(settings) if happens(settings, "merge") else None
-    timetable = [] if merging is None else row.merge(settings, merging, (MERGE, MERGE + _MOVE_IN))
+    timetable = [] if merging is None else row.merge(settings, merging, _merging_times(settings))
     made = formation(size, settings["topology"], _law(settings), timetable, settings, cars, gap)
     row.reach(made, settings)
     if merging is not None:
         row.start_beside(made, settings, merging)
     if happens(settings, "push"):
-        _push(made, pushed(settings))
+        _push(made, settings)
     return made
 
 
 def complete(made: System, settings: Settings) -> None:
-    """As in every formation; raises CosimError for another trajectory than the sweep that is measured."""
+    """As in every formation; raises CosimError for another trajectory of the head than is measured."""
     file = str(made.instances[f"{name(HEAD)}reference"].parameters.get("trajectory_file", ""))
-    if happens(settings, "sweep") and file != str(_sweep_file()):
-        raise CosimError(f"{name(HEAD)}reference.trajectory_file is the sweep; choose another scenario.manoeuvre")
+    if file != str(_head_file(settings)):
+        raise CosimError(
+            f"{name(HEAD)}reference.trajectory_file is the manoeuvre of the scenario; set scenario.manoeuvre"
+        )
     complete_formation(made, settings)
 
 
@@ -113,22 +110,39 @@ def _law(settings: Settings) -> Law:
     return Law(model, motion, {"formation.duration": _DURATION, **own}, told)
 
 
-def _reference(settings: Settings) -> Mapping[str, float | str]:
-    if happens(settings, "sweep"):
-        return {"trajectory_file": str(_sweep_file())}
-    return _BRAKES if happens(settings, "braking") else {**_BRAKES, "deceleration": 0.0, "acceleration": 0.0}
+def span(settings: Settings, event: str) -> tuple[float, float]:
+    """When [s] the event begins and has died out."""
+    return (_ALL if settings["manoeuvre"] == "events" else _ALONE)[event]
 
 
-def _sweep_file() -> Path:
+def _merging_times(settings: Settings) -> tuple[float, float]:
+    begin, _ = span(settings, "merge")
+    return begin, begin + _MOVE_IN
+
+
+def _head_file(settings: Settings) -> Path:
     from fmus.controllers.reference.interface import COLUMNS  # noqa: PLC0415  (lazy: `cosim list`)
     from fmus.planner.files import write_table  # noqa: PLC0415
 
     t = np.linspace(0.0, END + 5.0, 3401)
-    speed, rate = _excitation.multisine(t, SWEEP)
-    rows = _excitation.straight(t, SPEED + speed, rate)
-    return kept("platoon-sweep", [rows.tobytes()], lambda file: write_table(COLUMNS, rows, file))
+    rows = _excitation.straight(t, *_motion(t, settings))
+    return kept("platoon", [rows.tobytes()], lambda file: write_table(COLUMNS, rows, file))
 
 
-def _push(made: System, car: int) -> None:
-    made.at(PUSH, f"{name(car)}plant.body_force.x", _FORCE)
-    made.at(PUSH + _FORCE_TIME, f"{name(car)}plant.body_force.x", 0.0)
+def _motion(t: Vector, settings: Settings) -> tuple[Vector, Vector]:
+    """Speed (n,) [m/s] of the head and its rate (n,) [m/s2]."""
+    speed, rate = np.full_like(t, SPEED), np.zeros_like(t)
+    if happens(settings, "sweep"):
+        more = _excitation.multisine(t, SWEEP)
+    elif happens(settings, "braking"):
+        more = _excitation.braking(t - span(settings, "braking")[0])
+    else:
+        return speed, rate
+    return speed + more[0], rate + more[1]
+
+
+def _push(made: System, settings: Settings) -> None:
+    car = pushed(settings)
+    begin, _ = span(settings, "push")
+    made.at(begin, f"{name(car)}plant.body_force.x", _FORCE)
+    made.at(begin + _FORCE_TIME, f"{name(car)}plant.body_force.x", 0.0)

@@ -38,12 +38,13 @@ def platoon_metrics(results: Results) -> dict[str, float]:
 
 
 def _pushed(results: Results, errors: Mapping[int, Errors]) -> dict[str, float]:
-    """Largest error of the pushed car, of all before and of all behind it, until the head brakes."""
+    """Largest error of the pushed car, of all before and of all behind it, until it has died out."""
     if not _platoon.happens(results.settings, "push"):
         return {}
-    if not _over(results, _platoon.BRAKING):
+    begin, end = _platoon.span(results.settings, "push")
+    if not _over(results, end):
         errors = {}
-    sizes = {k: peak(during(results, e, _platoon.PUSH, _platoon.BRAKING)[:, 0]) for k, e in errors.items()}
+    sizes = {k: peak(during(results, e, begin, end)[:, 0]) for k, e in errors.items()}
     car = _platoon.pushed(results.settings)
     return {
         "push_error_max": sizes.get(car, math.nan),
@@ -55,7 +56,9 @@ def _pushed(results: Results, errors: Mapping[int, Errors]) -> dict[str, float]:
 def _ratios(results: Results, errors: Mapping[int, Errors]) -> dict[str, float]:
     if not _platoon.happens(results.settings, "braking"):
         return {}
-    return ratio_metrics({k: during(results, e, _platoon.BRAKING, _platoon.MERGE) for k, e in errors.items()})
+    return ratio_metrics(
+        {k: during(results, e, *_platoon.span(results.settings, "braking")) for k, e in errors.items()}
+    )
 
 
 def _gains(results: Results, errors: Mapping[int, Errors]) -> dict[str, float]:
