@@ -1,9 +1,9 @@
 """What one more car costs: time per car and simulated second, and memory, of formations of 1 to 50 full cars.
 
-Every formation runs in a process of its own, recorder on. Its cost is the processor time of the loop, so that it does
-not grow with what else the machine does; the sizes take turns, and the least of several rounds counts. Memory is the
-most the process ever held, start to summary. One car alone is the head, which plans its way and hears nobody; all
-others hear a radio and follow.
+Every formation runs in a process of its own, recorder on. They take turns of about a tenth of a second, so that
+whatever else the machine does slows all of them down alike; ratios are medians over the turns. The cost is the
+processor time of the loop, of which each turn counts as it went in its best round. Memory is the most a process held
+from start to summary. One car alone is the head, which has a reference and hears nobody; all others hear a radio.
 """
 
 from __future__ import annotations
@@ -12,11 +12,14 @@ import json
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from time import process_time
+from time import perf_counter, process_time
 
+import numpy as np
+
+from benchmarks.spread import spread
 from cosim.run import Request, run
 from cosim.scenarios import load
 
@@ -26,63 +29,61 @@ RATIO, MEMORY, REAL_TIME = 1.15, 3.0, 2.0
 """At most, of the largest formation to one car; at most [MB] per further car; at least, of `CARS` cars."""
 CARS = 10
 _SCENARIO = "formation-adaptive"
-_WORK = 40.0  # cars times simulated seconds of one run, but within:
-_SHORTEST, _LONGEST = 2.0, 20.0  # [s]
+_TURNS = 20
+_SHORTEST, _MOST = 64_000_000, 10  # [ns] of a turn of many cars, and how many times that of few
 
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """`processor` and `wall` time [s] per car and simulated second, most `memory` [MB] (NaN where it is not told)."""
+    """`processor` and `wall` time [s] per car and simulated second, turn by turn; most `memory` [MB] held, or NaN."""
 
     cars: int
-    processor: float
-    wall: float
+    processor: Sequence[float]
+    wall: Sequence[float]
     memory: float
 
 
 @dataclass(frozen=True, slots=True)
 class Formation:
-    """The best of the runs of one size: `cost` [s] per car and simulated second, `ratio` to that of the smallest.
+    """The runs of one size: best `cost` [s] per car and simulated second, and its `ratio` to that of the smallest size.
 
-    `memory` [MB] per car more than the smallest; `real_time_factor` of all cars together, on one core.
+    `memory` [MB] per car more than the smallest; the real-time factor `seen`, the load of the machine included.
     """
 
+    cars: int
     cost: float
     ratio: float
     memory: float
-    real_time_factor: float
+    seen: float
+
+    @property
+    def real_time_factor(self) -> float:
+        """Of all cars together on a core they have for themselves."""
+        return 1.0 / (self.cars * self.cost)
 
 
 def measure(rounds: int = ROUNDS, sizes: Sequence[int] = SIZES) -> dict[int, Formation]:
-    """Formations by number of cars, ascending; the sizes take turns in every round."""
-    _elsewhere(max(sizes), 0.1)  # builds what is not in the cache
-    runs = [_elsewhere(cars, seconds(cars)) for _ in range(rounds) for cars in sorted(sizes)]
-    return compared(runs)
+    """Formations by number of cars."""
+    _here(2, turns=1, wait=lambda: None)  # builds what is not in the cache
+    return compared([_together(sorted(sizes)) for _ in range(rounds)])
 
 
-def seconds(cars: int) -> float:
-    """How long [s] a formation runs: about equal work, whatever the number of cars."""
-    return min(max(_WORK / cars, _SHORTEST), _LONGEST)
+def compared(rounds: Sequence[Sequence[Run]]) -> dict[int, Formation]:
+    """Every size beside the first one, by number of cars; each round has a run of every size."""
+    return {runs[0].cars: _formation(runs, [each[0] for each in rounds]) for runs in zip(*rounds, strict=True)}
 
 
-def compared(runs: Sequence[Run]) -> dict[int, Formation]:
-    """The best of each size beside the best of the smallest; memory is best where it is least, too."""
-    sizes = sorted({run.cars for run in runs})
-    cost, wall, memory = (_least(runs, name) for name in ("processor", "wall", "memory"))
-    one = sizes[0]
-    return {
-        cars: Formation(
-            cost=cost[cars],
-            ratio=cost[cars] / cost[one],
-            memory=(memory[cars] - memory[one]) / (cars - one) if cars > one else float("nan"),
-            real_time_factor=1.0 / (cars * wall[cars]),
-        )
-        for cars in sizes
-    }
-
-
-def _least(runs: Sequence[Run], name: str) -> Mapping[int, float]:
-    return {cars: min(getattr(run, name) for run in runs if run.cars == cars) for cars in {run.cars for run in runs}}
+def _formation(runs: Sequence[Run], ones: Sequence[Run]) -> Formation:
+    cars, more = runs[0].cars, runs[0].cars - ones[0].cars
+    ratios = [np.array(run.processor) / np.array(one.processor) for run, one in zip(runs, ones, strict=True)]
+    memory = min(run.memory for run in runs) - min(one.memory for one in ones)
+    return Formation(
+        cars,
+        cost=spread([run.processor for run in runs]).best_mean,
+        ratio=float(np.median(ratios)),
+        memory=memory / more if more else float("nan"),
+        seen=1.0 / (cars * min(float(np.mean(run.wall)) for run in runs)),
+    )
 
 
 def rows(rounds: int | None) -> list[tuple[str, str, str, str]]:
@@ -91,33 +92,91 @@ def rows(rounds: int | None) -> list[tuple[str, str, str, str]]:
 
 
 def _row(cars: int, seen: Formation) -> tuple[str, str, str, str]:
-    factor = f"{seen.real_time_factor:.1f} x real time on one core"
-    more = "" if cars == SIZES[0] else f"{seen.ratio:.2f} x one car, {seen.memory:.1f} MB per further car, "
+    factor = f"{seen.real_time_factor:.1f} x real time on a core of its own, {seen.seen:.1f} seen"
+    more = "" if cars == SIZES[0] else f"{seen.ratio:.2f} x one car; {seen.memory:.1f} MB per further car; "
     aims = {SIZES[-1]: f"<= {RATIO:g} x, <= {MEMORY:g} MB", CARS: f">= {REAL_TIME:g} x real time"}
     plural = "s" if cars > 1 else ""
     what = f"formation of {cars} car{plural}, 16-DoF, radio: car and second"
     return what, f"{1e3 * seen.cost:.1f} ms", more + factor, aims.get(cars, "")
 
 
-def _elsewhere(cars: int, duration: float) -> Run:
-    line = [sys.executable, "-m", "benchmarks.formation_scaling", str(cars), str(duration)]
-    done = subprocess.run(line, cwd=Path(__file__).parents[1], capture_output=True, text=True, check=False)
-    if done.returncode:
-        raise RuntimeError(f"a formation of {cars} cars did not run: {done.stderr[-2000:]}")
-    return Run(**json.loads(done.stdout))
+def _together(sizes: Sequence[int]) -> list[Run]:
+    """All sizes at once, one at a time: each goes on when it is given a line, and gives one when its turn is over."""
+    processes = [_process(cars) for cars in sizes]
+    try:
+        for process in processes:
+            _answer(process)
+        for _ in range(_TURNS):
+            for process in processes:
+                _go_on(process)
+                _answer(process)
+        for process in processes:
+            _go_on(process)
+        return [Run(**json.loads(_answer(process))) for process in processes]
+    finally:
+        for process in processes:
+            process.kill()
+            process.communicate()
 
 
-def _here(cars: int, duration: float) -> Run:
-    """Run the formation in this process, which is used for nothing else."""
-    marks: list[tuple[int, float]] = []  # simulated [ns], processor time [s]
+def _process(cars: int) -> subprocess.Popen[str]:
+    line = [sys.executable, "-m", "benchmarks.formation_scaling", str(cars)]
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    return subprocess.Popen(line, cwd=Path(__file__).parents[1], text=True, **pipes)  # type: ignore[call-overload,no-any-return]
+
+
+def _go_on(process: subprocess.Popen[str]) -> None:
+    assert process.stdin is not None
+    process.stdin.write("\n")
+    process.stdin.flush()
+
+
+def _answer(process: subprocess.Popen[str]) -> str:
+    assert process.stdout is not None
+    line = process.stdout.readline()
+    if not line:
+        raise RuntimeError(f"a formation did not run: {process.communicate()[1][-2000:]}")
+    return line
+
+
+def _wait() -> None:
+    print(flush=True)
+    sys.stdin.readline()
+
+
+class _Turns:
+    """The progress of a run that waits before and after every turn; what they took: simulated, processor, wall [s]."""
+
+    def __init__(self, cars: int, turns: int, wait: Callable[[], None]) -> None:
+        self.length = _SHORTEST * max(1, min(_MOST, SIZES[-1] // cars))
+        self.taken: list[tuple[float, float, float]] = []
+        self._turns, self._wait = turns, wait
+        self._start: tuple[int, float, float] | None = None
+
+    def __call__(self, time: int) -> None:
+        if self._start is None:  # after the first ticks
+            self._begin(time)
+        elif len(self.taken) < self._turns and time - self._start[0] >= self.length:
+            begin, processor, wall = self._start
+            self.taken.append(((time - begin) / 1e9, process_time() - processor, perf_counter() - wall))
+            self._begin(time)
+
+    def _begin(self, time: int) -> None:
+        self._wait()
+        self._start = time, process_time(), perf_counter()
+
+
+def _here(cars: int, turns: int, wait: Callable[[], None]) -> Run:
+    """Run the formation in this process; `wait` is called before every turn and after the last."""
+    taken = _Turns(cars, turns, wait)
+    stop = (turns * taken.length + 2 * _SHORTEST) / 1e9
     with tempfile.TemporaryDirectory() as folder:
-        request = Request(load(_SCENARIO), Path(folder), [("scenario.vehicles", str(cars))], stop_time=duration)
-        summary, _ = run(request, progress=lambda time: marks.append((time, process_time())))
+        request = Request(load(_SCENARIO), Path(folder), [("scenario.vehicles", str(cars))], stop_time=stop)
+        summary, _ = run(request, progress=taken)
     if summary["status"] != "ok":
         raise RuntimeError(f"{_SCENARIO} with {cars} cars: {summary['reason']}")
-    (first, start), (last, end) = marks[0], marks[-1]
-    processor = (end - start) / ((last - first) / 1e9)
-    return Run(cars, processor / cars, summary["wall_time"] / duration / cars, _most_memory())
+    simulated, processor, wall = np.array(taken.taken).T
+    return Run(cars, (processor / simulated / cars).tolist(), (wall / simulated / cars).tolist(), _most_memory())
 
 
 def _most_memory() -> float:
@@ -130,4 +189,4 @@ def _most_memory() -> float:
 
 
 if __name__ == "__main__":
-    print(json.dumps(asdict(_here(int(sys.argv[1]), float(sys.argv[2])))))
+    print(json.dumps(asdict(_here(int(sys.argv[1]), _TURNS, _wait))))
