@@ -130,7 +130,7 @@ def _hear_head(system: System, settings: Settings, k: int) -> None:
     if settings["radio"] == "on":
         system.add(radio, "Radio")
         tell(system, settings, radio, "message.", TRUE_YAW_RATE, name(HEAD))
-        system.connect(radio, follower, {"feedforward.speed": "leader.velocity.x"})
+        system.connect(radio, follower, {"feedforward.speed": "leader.velocity.x", "feedforward.valid": "leader.valid"})
     else:
         source, outputs = known(settings, name(HEAD))
         system.connect(source, follower, {"feedforward.speed": f"{outputs}velocity.x"})

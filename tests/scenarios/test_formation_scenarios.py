@@ -123,6 +123,13 @@ def test_the_head_tells_its_speed_to_all(tmp_path):
         assert results[f"car{k}.broadcast.leader.velocity.x"][-1] == pytest.approx(20.0, abs=0.3)
 
 
+def test_a_broadcast_that_was_not_yet_heard_is_no_speed():
+    system = configured(load("formation-adaptive"), [("scenario.feedforward", "on")])
+    (heard,) = [wire for wire in system.wires if wire.source == "car3.broadcast"]
+    assert heard.target == "car3.follower"
+    assert heard.counterpart("feedforward.valid") == "leader.valid"
+
+
 def test_a_headway_moves_the_places_back(tmp_path):
     metrics, results = short("formation-constraint", tmp_path, LIGHT, ("scenario.headway", "0.5"))
     assert seen_from(results, 1, 2)[0, 0] == pytest.approx(-10.0 - 0.5 * 20.0)
