@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
+
+import casadi as ca
 import constraint_loop as loop
 import numpy as np
 import pytest
+
+from fmus.controllers.formation import messages
 
 
 def _accelerations(leader: loop.Motion, seconds: float, noise: float = 0.0, **p: float) -> np.ndarray:
@@ -75,3 +80,27 @@ def test_yaw_angles_may_be_wrapped() -> None:
     r = loop.run(leader, (-8.0, 0.0, 0.0, 20.0, 0.3), (-8.0, 0.0), 45.0, radio=wrapped, constraint__heading=0.0)
     assert r.errors()[600:].max() < 0.02
     assert np.abs(r["command.acceleration"][600:]).max() < 0.05
+
+
+@pytest.mark.parametrize("period", [1e-3, 5e-4])
+def test_messages_at_every_sample_are_taken_however_short_the_period(
+    period: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(loop, "T", period)
+    r = loop.run(loop.steady(20.0, 0.1), (-12.0, 0.0, 0.0, 20.0, 0.1), (-12.0, 0.0), 3.0, sample_period=period)
+    assert r["leader.acceleration.x"] == pytest.approx(0.0, abs=1e-6)
+    braking = loop.along_x(lambda t: 20.0 - t, 3.0)
+    r = loop.run(braking, (-12.0, 0.0, 0.0, 20.0, 0.0), (-12.0, 0.0), 2.5, sample_period=period)
+    assert r["leader.acceleration.x"][-1] == pytest.approx(-1.0, abs=0.01)
+    assert r.errors()[-1] < 0.1
+
+
+@pytest.mark.parametrize("period", [0.02, 1e-3, 5e-4])
+def test_a_message_that_is_held_is_not_new(period: float) -> None:
+    """Both followers ask the same function: sent 0.1 s apart each is new once, whatever the rounding of its age."""
+    T, sent = ca.SX(period), np.floor(np.arange(round(1.0 / period)) * period / 0.1 + 1e-9) * 0.1
+    age = np.arange(len(sent)) * period - sent
+    before, now = ca.SX.sym("before"), ca.SX.sym("now")
+    asked = ca.Function("news", [before, now], [*messages.news(ca.SX(1), before, now, T)])
+    told = [tuple(map(float, asked(*pair))) for pair in itertools.pairwise(age)]
+    assert [between for new, between in told if new] == pytest.approx([0.1] * 9)

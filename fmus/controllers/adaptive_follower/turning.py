@@ -7,6 +7,7 @@ import casadi as ca
 from fmukit.kernel import Layout, Signals
 from fmus.clip import clip
 from fmus.controllers.formation.hand import wrap
+from fmus.controllers.formation.messages import news
 
 STATES = Layout(
     known=1,  # 1 once there was a message
@@ -14,16 +15,13 @@ STATES = Layout(
     yaw=1,  # in the newest message [rad]
     rate=1,  # yaw rate of the leader [rad/s]
 )
-_SAME = 1e-3  # s; messages taken so close together are one
 _FASTEST = 1.5  # rad/s; no car turns faster
 
 
 def follow(p: Signals, u: Signals, state: ca.SX, heard: ca.SX) -> ca.SX:
     """The next state: at a new message the rate moves towards the change of yaw over the time between the two."""
     before = STATES.split(state)
-    between = before["age"] + p["sample_period"] - u["leader.age"]
-    new = ca.logic_and(heard, between > _SAME)
-    between = ca.fmax(between, _SAME)
+    new, between = news(heard, before["age"], u["leader.age"], p["sample_period"])
     seen = clip(wrap(u["leader.yaw"] - before["yaw"]) / between, -_FASTEST, _FASTEST)
     share = 1 - ca.exp(-between / p["turning.memory"])
     learnt = before["rate"] + before["known"] * share * (seen - before["rate"])

@@ -18,6 +18,7 @@ import casadi as ca
 
 from fmukit.kernel import Layout, Signals
 from fmus.controllers.formation.hand import S, rotation, wrap
+from fmus.controllers.formation.messages import news
 
 STATES = Layout(
     heard=1,  # 1 while the link stands
@@ -28,7 +29,6 @@ STATES = Layout(
     rate=4,  # w'
     curve=4,  # w''
 )
-_SAME = 1e-3  # s; messages taken so close together are one
 Parts = dict[str, ca.SX]
 
 
@@ -44,9 +44,8 @@ def follow(p: Signals, u: Signals, state: ca.SX, heard: ca.SX) -> ca.SX:
     """The state now, from that of the sample before; the first message of a link begins anew."""
     before, T, tau = STATES.split(state), p["sample_period"], p["leader.filter_time"]
     now = carried(before, T, ca.fmax(0, ca.fmin(T, tau - before["age"])))
-    between = before["age"] + T - u["leader.age"]
-    new = ca.logic_and(heard, between > _SAME)
-    corrected = _corrected(u, now, ca.fmax(between, _SAME), tau)
+    new, between = news(heard, before["age"], u["leader.age"], T)
+    corrected = _corrected(u, now, between, tau)
     begun = _begun(u)
     later = {}
     for name in ("position", "yaw", "w", "rate", "curve"):
