@@ -10,7 +10,8 @@ from fmukit.kernel import Kernel, Layout, Signals, sampled_kernel, stack, symbol
 from fmus.clip import clip
 from fmus.controllers.adaptive_follower import law, network, turning
 from fmus.controllers.adaptive_follower.interface import INTERFACE
-from fmus.controllers.formation import catch_up, hand, link, offset, realise
+from fmus.controllers.formation import catch_up, hand, link, offset, realise, sample
+from fmus.controllers.formation.sample import Parts
 
 _V, _W = (network.N1 + 1, network.N2), (network.N2 + 1, network.N3)
 STATES = Layout(
@@ -29,7 +30,6 @@ _LEARNING = (
     *("adaptation.output", "adaptation.hidden", "leak.output", "leak.hidden", "leak.exponent"),
     "adaptation.fastest",
 )
-Parts = dict[str, ca.SX]
 
 
 def kernel() -> Kernel:
@@ -81,7 +81,7 @@ def _step() -> ca.Function:
     after = STATES.join(
         {"started": ca.SX(1), "V": ca.vec(V), "W": ca.vec(W), "velocity": driven.nu}
         | {"speed": driven.speed.value, "yaw_rate": driven.yaw_rate.value}
-        | {"offset": offset.advance(before["offset"], _target(u), p["sample_period"], p["formation.duration"])}
+        | {"offset": _shifted(p, u, before["offset"])}
         | {"link": linked.state, "turning": turned}
     )
     y = stack(INTERFACE.names("output"), _outputs(p, u, seen, driven, linked, V, W))
@@ -99,11 +99,16 @@ def _begun(p: Signals, u: Signals, state: Parts) -> Parts:
         "velocity": ca.vertcat(bias, 0),
         "speed": ca.fmax(own, 0),
         "yaw_rate": clip(u["estimate.yaw_rate"], -most, most),
-        "offset": offset.start(_target(u)),
+        "offset": offset.start(sample.wanted_place(u)),
         "link": link.start(ca.fmax(own, 0)),
     }
-    begun = state | {name: ca.if_else(state["started"], state[name], value) for name, value in start.items()}
+    begun = sample.begun(state, start)
     return begun | {"V": ca.reshape(state["V"], *_V), "W": ca.reshape(begun["W"], *_W)}
+
+
+def _shifted(p: Signals, u: Signals, state: ca.SX) -> ca.SX:
+    """The wanted place one sample later."""
+    return offset.advance(state, sample.wanted_place(u), p["sample_period"], p["formation.duration"])
 
 
 def _led_back(p: Signals, u: Signals, before: Parts, linked: link.Link) -> ca.SX:
@@ -149,31 +154,18 @@ def _drive(p: Signals, u: Signals, state: Parts, seen: _Seen, linked: link.Link)
 
 
 def _outputs(p: Signals, u: Signals, seen: _Seen, driven: _Driven, linked: link.Link, V: ca.SX, W: ca.SX) -> Parts:
-    nu = driven.nu + _broadcast(p, u)
-    w = driven.yaw_rate.value
-    values = {
-        "command.speed": driven.speed.value,
-        "command.acceleration": driven.speed.rate,
-        "command.yaw_rate": w,
-        "command.steer_feedforward": realise.steering(p, u["estimate.velocity.x"], w),
-        "saturation.speed": driven.speed.limited,
-        "saturation.yaw_rate": driven.yaw_rate.limited,
-        "link.lost": 1 - linked.heard,
+    own = {
         "weights.norm": ca.sqrt(ca.sumsqr(W)),
         "weights.hidden_norm": ca.sqrt(ca.sumsqr(V)),
         "gain_rule.broken": _rule_broken(p),
     }
-    pairs = {"error": seen.z, "offset": seen.place, "velocity": nu}
-    return values | {f"{name}.{axis}": pair[i] for name, pair in pairs.items() for i, axis in enumerate("xy")}
+    pairs = {"error": seen.z, "offset": seen.place, "velocity": driven.nu + _broadcast(p, u)}
+    return sample.outputs(p, u, driven.speed, driven.yaw_rate, linked.heard) | sample.by_axis(pairs) | own
 
 
 def _broadcast(p: Signals, u: Signals) -> ca.SX:
     """What is known of the leader's velocity without learning, in its body axes [m/s] (2)."""
     return ca.vertcat(p["feedforward.enabled"] * u["feedforward.speed"], 0)
-
-
-def _target(u: Signals) -> ca.SX:
-    return u.vector("formation", "xy")
 
 
 def _rule_broken(p: Signals) -> ca.SX:

@@ -15,8 +15,6 @@ from fmus.controllers.formation import offset
 
 _SHARE = 0.5  # of the acceleration and of the spare speed that leading back may take
 _SLOWEST = 1.0  # m/s; a leader at the speed limit is caught up with at least so fast
-_PEAK_SPEED, _PEAK_ACCELERATION = 1.875, 5.774
-"""Of the quintic between two places at rest, over T: way/T, way/T^2."""
 _SMALLEST = 1e-12
 
 
@@ -31,14 +29,13 @@ def led_back(p: Signals, state: ca.SX, away: ca.SX, speed: ca.SX) -> ca.SX:
     beyond = 1 - p["catch_up.distance"] / distance
     begin = offset.value(state)[0] + beyond * away
     at_rest = {"begin_rate": ca.SX.zeros(2), "begin_acceleration": ca.SX.zeros(2), "elapsed": ca.SX(0)}
-    duration = _duration(p, ca.norm_2(course["target"] - begin), speed)
+    way = ca.norm_2(course["target"] - begin)
+    duration = ca.fmax(p["formation.duration"], offset.duration_within(way, *gentle(p, speed)))
     anew = offset.STATES.join(course | at_rest | {"begin": begin, "duration": duration})
     return ca.if_else(beyond > 0, anew, state)
 
 
-def _duration(p: Signals, way: ca.SX, speed: ca.SX) -> ca.SX:
-    """Long enough [s] for half of the limits."""
-    a = _SHARE * ca.fmin(p["limit.acceleration"], p["limit.deceleration"])
-    spare = ca.fmax(_SHARE * (p["limit.speed"] - speed), _SLOWEST)
-    needed = ca.fmax(_PEAK_SPEED * way / spare, ca.sqrt(_PEAK_ACCELERATION * way / a))
-    return ca.fmax(p["formation.duration"], needed)
+def gentle(p: Signals, speed: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """(speed [m/s], acceleration [m/s2]) of a moving place relative to a leader at `speed`: half of what is left."""
+    acceleration = _SHARE * ca.fmin(p["limit.acceleration"], p["limit.deceleration"])
+    return ca.fmax(_SHARE * (p["limit.speed"] - speed), _SLOWEST), acceleration

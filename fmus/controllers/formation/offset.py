@@ -46,12 +46,17 @@ def advance(state: Symbol, target: Symbol, T: Symbol | float, duration: Symbol |
 def unhurried(
     state: Symbol, target: Symbol, duration: Symbol, speed: Symbol | float, acceleration: Symbol | float
 ) -> Symbol:
-    """`duration` [s], longer where a course from rest would exceed `speed` [m/s] or `acceleration` [m/s2].
+    """`duration` [s], longer where a course from rest would exceed `speed` [m/s] or `acceleration` [m/s2]."""
+    way = ca.norm_2(target - value(state)[0])
+    return ca.fmax(duration, duration_within(way, speed, acceleration))
+
+
+def duration_within(way: Symbol, speed: Symbol | float, acceleration: Symbol | float) -> Symbol:
+    """How long [s] a course over `way` [m] from rest to rest takes that just reaches one of the two limits.
 
     A quintic over d in T reaches 15/8 d/T and 10/sqrt(3) d/T^2.
     """
-    d = ca.norm_2(target - value(state)[0])
-    return ca.fmax(duration, ca.fmax(1.875 * d / speed, ca.sqrt(10 / math.sqrt(3) * d / acceleration)))
+    return ca.fmax(15 / 8 * way / speed, ca.sqrt(10 / math.sqrt(3) * way / acceleration))
 
 
 def value(state: Symbol) -> tuple[Symbol, Symbol, Symbol]:
