@@ -1,9 +1,10 @@
 """What one more car costs: time per car and simulated second, and memory, of formations of 1 to 50 full cars.
 
 Every formation runs in a process of its own, recorder on. They take turns of about a tenth of a second, so that
-whatever else the machine does slows all of them down alike; ratios are medians over the turns. The cost is the
-processor time of the loop, of which each turn counts as it went in its best round. Memory is the most a process held
-from start to summary. One car alone is the head, which has a reference and hears nobody; all others hear a radio.
+whatever else the machine does slows all of them down alike. The cost is the processor time of the loop, of which each
+turn counts as it went in its best round: fifty cars need all of a cache that other programs may share. Memory is the
+most a process held from start to summary. One car alone is the head, which has a reference and hears nobody; all others
+hear a radio.
 """
 
 from __future__ import annotations
@@ -75,12 +76,12 @@ def compared(rounds: Sequence[Sequence[Run]]) -> dict[int, Formation]:
 
 def _formation(runs: Sequence[Run], ones: Sequence[Run]) -> Formation:
     cars, more = runs[0].cars, runs[0].cars - ones[0].cars
-    ratios = [np.array(run.processor) / np.array(one.processor) for run, one in zip(runs, ones, strict=True)]
-    memory = min(run.memory for run in runs) - min(one.memory for one in ones)
+    cost, one = (spread([run.processor for run in each]).best_mean for each in (runs, ones))
+    memory = min(run.memory for run in runs) - min(run.memory for run in ones)
     return Formation(
         cars,
-        cost=spread([run.processor for run in runs]).best_mean,
-        ratio=float(np.median(ratios)),
+        cost=cost,
+        ratio=cost / one,
         memory=memory / more if more else float("nan"),
         seen=1.0 / (cars * min(float(np.mean(run.wall)) for run in runs)),
     )
