@@ -17,15 +17,13 @@ _FIRM = {
 """A constant acceleration a of the leader leaves an error of about 7 a / (3.5 K^2), so the gain K is higher than by its
 start value; the rates of the network follow from it by the rule F = K^2/7, G = F/2. At 30 m/s the sideslip takes all
 that turning gives a hand point 6 m ahead, in the steady state; 8 m ahead it is damped better."""
-_TOLD = {"bias.own_speed": False}
-"""The network begins with the own speed for the leader's; where the head tells its speed, that would be twice it."""
 
 SCENARIO = formation_scenario(
     "formation-adaptive",
     "Adaptive neural followers of a weaving head that speeds up from 20 to 30 m/s",
     "Figs. 5.2, 5.3",
     30.0,
-    law=Law("AdaptiveFollower", motion=False, parameters=_FIRM, told=_TOLD),
+    law=Law("AdaptiveFollower", motion=False, parameters=_FIRM),
     cars=Cars(reference=weaving(5.0)),
     kind="v",
 )

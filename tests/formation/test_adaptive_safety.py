@@ -155,6 +155,7 @@ def test_nothing_that_can_be_heard_makes_nan(seed):
     for size in 10.0 ** np.arange(-1, 10):
         for _ in range(20):
             heard = {"leader.age": abs(rng.normal()), "leader.valid": float(rng.random() > 0.1)}
+            heard["feedforward.valid"] = float(rng.random() > 0.5)
             place = {f"formation.{axis}": np.clip(size * rng.normal(), -1e5, 1e5) for axis in "xy"}
             follower.set({**dict(zip(names, size * rng.normal(size=len(names)), strict=True)), **heard, **place})
             follower.sample()

@@ -215,3 +215,36 @@ def test_broadcast_speed_leaves_little_to_learn():
     assert told.distance().max() < 0.4
     assert untold.distance().max() > 0.8
     assert told.outputs["velocity.x"][-1] == pytest.approx(30.0, abs=0.1)
+
+
+@pytest.mark.parametrize("first", [0.1, 1e9])
+def test_a_speed_not_yet_heard_is_none(first):
+    """The port shows 0 until then: the follower drives as one that is not told anything."""
+
+    def hear(t):
+        return {"feedforward.speed": 25.0 if t > first else 0.0, "feedforward.valid": float(t > first)}
+
+    straight = {"speed": lambda t: 25.0, "yaw_rate": lambda t: 0.0, "lag": LAG, "duration": 8.0}
+    run = simulate(**straight, parameters={"feedforward.enabled": 1}, inputs=hear)
+    untold = simulate(**straight)
+    assert run.distance().max() < 1.5 * untold.distance().max() < 0.1
+    assert np.abs(run.outputs["command.speed"] - 25.0).max() < 0.1
+
+
+@pytest.mark.parametrize("frame", [0, 1])
+def test_the_first_broadcast_replaces_what_was_learnt_without_a_jump(frame):
+    """Told in a bend, at 4 s and then no more: the commands go on as if nothing had happened, the weights shrink."""
+
+    def hear(t):
+        return {"feedforward.speed": 23.0 if 4.0 < t < 4.5 else 0.0, "feedforward.valid": float(4.0 < t < 4.5)}
+
+    bend = {"speed": lambda t: 25.0, "yaw_rate": lambda t: 0.1, "duration": 8.0}
+    told, untold = (
+        simulate(**bend, parameters={"feedforward.enabled": on, "leader_frame": frame}, inputs=hear) for on in (1, 0)
+    )
+    just = np.searchsorted(told.time, 4.0) + 3
+    for name in ("command.speed", "command.yaw_rate", "velocity.x", "velocity.y"):
+        np.testing.assert_allclose(told.outputs[name][:just], untold.outputs[name][:just], atol=0.01, err_msg=name)
+    assert told.outputs["weights.norm"][just] < 0.3 * untold.outputs["weights.norm"][just]
+    assert told.distance().max() < 0.5
+    assert np.abs(np.diff(told.outputs["command.speed"])[2:]).max() < 0.02

@@ -8,7 +8,7 @@ import casadi as ca
 
 from fmukit.kernel import Kernel, Layout, Signals, sampled_kernel, stack, symbols
 from fmus.clip import clip
-from fmus.controllers.adaptive_follower import law, network, turning
+from fmus.controllers.adaptive_follower import broadcast, law, network, turning
 from fmus.controllers.adaptive_follower.interface import INTERFACE
 from fmus.controllers.formation import catch_up, hand, link, offset, realise, sample
 from fmus.controllers.formation.sample import Parts
@@ -24,6 +24,7 @@ STATES = Layout(
     offset=offset.STATES.size,  # the wanted place on its way to formation.x/y
     link=link.STATES.size,  # how long the leader has been lost, and its last known speed
     turning=turning.STATES.size,  # the leader's yaw rate from its messages
+    broadcast=broadcast.STATES.size,  # the speed told by the head of the formation
 )
 DERIVED = Layout()
 _LEARNING = (
@@ -71,20 +72,20 @@ def _initialise() -> ca.Function:
 
 def _step() -> ca.Function:
     p, u, x = symbols(INTERFACE, "parameter"), symbols(INTERFACE, "input"), STATES.symbol()
-    before = _begun(p, u, STATES.split(x))
-    linked = link.supervise(p, u, before["link"], ca.fmax(before["velocity"][0] + _broadcast(p, u)[0], 0))
-    turned = turning.follow(p, u, before["turning"], linked.heard)
-    before |= {"turning": turned, "offset": _led_back(p, u, before | {"turning": turned}, linked)}
+    before = _told(p, u, _begun(p, u, STATES.split(x)))
+    linked = link.supervise(p, u, before["link"], ca.fmax(_leader_speed(before), 0))
+    before |= {"turning": turning.follow(p, u, before["turning"], linked.heard)}
+    before |= {"offset": _led_back(p, u, before, linked)}
     seen = _seen(p, u, before)
-    V, W = _taught(p, u, before, seen, linked)
-    driven = _drive(p, u, before | {"V": V, "W": W}, seen, linked)
+    taught = before | _taught(p, u, before, seen, linked)
+    driven = _drive(p, u, taught, seen, linked)
     after = STATES.join(
-        {"started": ca.SX(1), "V": ca.vec(V), "W": ca.vec(W), "velocity": driven.nu}
+        {"started": ca.SX(1), "V": ca.vec(taught["V"]), "W": ca.vec(taught["W"]), "velocity": driven.nu}
         | {"speed": driven.speed.value, "yaw_rate": driven.yaw_rate.value}
         | {"offset": _shifted(p, u, before["offset"])}
-        | {"link": linked.state, "turning": turned}
+        | {"link": linked.state, "turning": before["turning"], "broadcast": taught["broadcast"]}
     )
-    y = stack(INTERFACE.names("output"), _outputs(p, u, seen, driven, linked, V, W))
+    y = stack(INTERFACE.names("output"), _outputs(p, u, taught, seen, driven, linked))
     arguments = [p.column, ca.SX.sym("d", 0), u.column, x, ca.SX.sym("w", 0), ca.SX.sym("t")]
     return ca.Function("step", arguments, [after, y])
 
@@ -92,7 +93,8 @@ def _step() -> ca.Function:
 def _begun(p: Signals, u: Signals, state: Parts) -> Parts:
     """The state, at the first sample that of a follower that drives as it does, in its place; V and W as matrices."""
     own, most = u["estimate.velocity.x"], realise.yaw_rate_limit(p, u["estimate.velocity.x"])
-    bias = p["bias.own_speed"] * (1 - p["feedforward.enabled"]) * own
+    told = broadcast.follow(p, u, state["broadcast"])
+    bias = p["bias.own_speed"] * (1 - broadcast.STATES.split(told)["heard"]) * own
     first = ca.vertcat(bias, ca.SX.zeros(network.N2), 0, ca.SX.zeros(network.N2))
     start = {
         "W": first,
@@ -101,9 +103,25 @@ def _begun(p: Signals, u: Signals, state: Parts) -> Parts:
         "yaw_rate": clip(u["estimate.yaw_rate"], -most, most),
         "offset": offset.start(sample.wanted_place(u)),
         "link": link.start(ca.fmax(own, 0)),
+        "broadcast": told,
     }
     begun = sample.begun(state, start)
     return begun | {"V": ca.reshape(state["V"], *_V), "W": ca.reshape(begun["W"], *_W)}
+
+
+def _told(p: Signals, u: Signals, before: Parts) -> Parts:
+    """`before` with the newest broadcast; from the first one on the network only has to know what that leaves."""
+    told = broadcast.follow(p, u, before["broadcast"])
+    nu = broadcast.just_told(before["broadcast"], told)
+    heard = law.heard_leader(p, u, turning.STATES.split(before["turning"])["rate"])
+    y = ca.if_else(p["leader_frame"], nu, hand.rotation(heard.yaw_now - u["estimate.yaw"]) @ nu)
+    W = ca.vertcat(before["W"][0, :] - y.T, before["W"][1:, :])
+    return before | {"broadcast": told, "W": W, "velocity": before["velocity"] - nu}
+
+
+def _leader_speed(state: Parts) -> ca.SX:
+    """Forward speed of the leader as far as known [m/s]."""
+    return (state["velocity"] + broadcast.known(state["broadcast"]))[0]
 
 
 def _shifted(p: Signals, u: Signals, state: ca.SX) -> ca.SX:
@@ -114,15 +132,15 @@ def _shifted(p: Signals, u: Signals, state: ca.SX) -> ca.SX:
 def _led_back(p: Signals, u: Signals, before: Parts, linked: link.Link) -> ca.SX:
     """The state of the wanted offset, begun anew nearby when the follower is far from its place."""
     away = hand.rotation(u["estimate.yaw"] - u["leader.yaw"]) @ _seen(p, u, before).z
-    speed = before["velocity"][0] + _broadcast(p, u)[0]
-    return ca.if_else(linked.heard, catch_up.led_back(p, before["offset"], away, speed), before["offset"])
+    led_back = catch_up.led_back(p, before["offset"], away, _leader_speed(before))
+    return ca.if_else(linked.heard, led_back, before["offset"])
 
 
 def _seen(p: Signals, u: Signals, before: Parts) -> _Seen:
     r, r_rate, _ = offset.value(before["offset"])
     place = r - ca.vertcat(p["headway"] * before["speed"], 0)
     leader = law.heard_leader(p, u, turning.STATES.split(before["turning"])["rate"])
-    known = _broadcast(p, u)
+    known = broadcast.known(before["broadcast"])
     p_d = law.wanted_point(leader, place + ca.vertcat(p["hand.distance"], 0), before["velocity"] + known)
     z = law.error(p, u, p_d)
     relative = leader.yaw_now - u["estimate.yaw"]
@@ -130,14 +148,14 @@ def _seen(p: Signals, u: Signals, before: Parts) -> _Seen:
     return _Seen(place, z, law.network_input(u, z, relative), R_rel, R_rel @ (known + r_rate))
 
 
-def _taught(p: Signals, u: Signals, before: Parts, seen: _Seen, linked: link.Link) -> tuple[ca.SX, ca.SX]:
+def _taught(p: Signals, u: Signals, before: Parts, seen: _Seen, linked: link.Link) -> Parts:
     """The weights after this sample; a limited channel and a leader not heard teach nothing."""
     tried = _drive(p, u, before, seen, linked)
     z = seen.z * (1 - p["freeze_limited"] * ca.vertcat(tried.speed.limited, tried.yaw_rate.limited))
     e = ca.if_else(p["leader_frame"], seen.R_rel.T @ z, z)
     learning = network.Learning(*(p[name] for name in _LEARNING))
     V, W = network.adapt(before["V"], before["W"], seen.xbar, e, learning, p["sample_period"])
-    return ca.if_else(linked.heard, V, before["V"]), ca.if_else(linked.heard, W, before["W"])
+    return {"V": ca.if_else(linked.heard, V, before["V"]), "W": ca.if_else(linked.heard, W, before["W"])}
 
 
 def _drive(p: Signals, u: Signals, state: Parts, seen: _Seen, linked: link.Link) -> _Driven:
@@ -153,19 +171,14 @@ def _drive(p: Signals, u: Signals, state: Parts, seen: _Seen, linked: link.Link)
     return _Driven(nu, speed, realise.yaw_rate(p, state["yaw_rate"], turn, u["estimate.velocity.x"]))
 
 
-def _outputs(p: Signals, u: Signals, seen: _Seen, driven: _Driven, linked: link.Link, V: ca.SX, W: ca.SX) -> Parts:
+def _outputs(p: Signals, u: Signals, state: Parts, seen: _Seen, driven: _Driven, linked: link.Link) -> Parts:
     own = {
-        "weights.norm": ca.sqrt(ca.sumsqr(W)),
-        "weights.hidden_norm": ca.sqrt(ca.sumsqr(V)),
+        "weights.norm": ca.sqrt(ca.sumsqr(state["W"])),
+        "weights.hidden_norm": ca.sqrt(ca.sumsqr(state["V"])),
         "gain_rule.broken": _rule_broken(p),
     }
-    pairs = {"error": seen.z, "offset": seen.place, "velocity": driven.nu + _broadcast(p, u)}
+    pairs = {"error": seen.z, "offset": seen.place, "velocity": driven.nu + broadcast.known(state["broadcast"])}
     return sample.outputs(p, u, driven.speed, driven.yaw_rate, linked.heard) | sample.by_axis(pairs) | own
-
-
-def _broadcast(p: Signals, u: Signals) -> ca.SX:
-    """What is known of the leader's velocity without learning, in its body axes [m/s] (2)."""
-    return ca.vertcat(p["feedforward.enabled"] * u["feedforward.speed"], 0)
 
 
 def _rule_broken(p: Signals) -> ca.SX:

@@ -74,6 +74,13 @@ def _formation() -> list[Variable]:
     text = "wanted place of the own O1 in the leader's body axes"
     return [
         *group(input_, "formation", "xy", "m", text, minimum=-_FURTHEST, maximum=_FURTHEST),
-        input_("feedforward.speed", "m/s", "newest speed broadcast by the head of the formation, of whatever age"),
-        input_("feedforward.valid", "1", "1 once the broadcast was heard, else 0", 1.0, minimum=0.0, maximum=1.0),
+        input_("feedforward.speed", "m/s", "newest speed broadcast by the head of the formation"),
+        input_(
+            "feedforward.valid",
+            "1",
+            "1 once that was heard, else 0: feedforward.speed is then nothing",
+            1.0,
+            minimum=0.0,
+            maximum=1.0,
+        ),
     ]

@@ -1,0 +1,39 @@
+"""The speed that the head of the formation tells all: what is known of the leader's velocity without learning it.
+
+Nothing is known before it was heard. What was heard last counts until something newer is, however old it is: a head
+that changes its speed unheard is a leader that does, and the network learns the difference.
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from fmukit.kernel import Layout, Signals
+
+STATES = Layout(
+    heard=1,  # 1 once the head was heard, else 0
+    speed=1,  # last heard [m/s]
+)
+
+
+def follow(p: Signals, u: Signals, state: ca.SX) -> ca.SX:
+    """The next state; with `feedforward.enabled` off nothing is ever heard."""
+    before = STATES.split(state)
+    heard = ca.logic_and(p["feedforward.enabled"], u["feedforward.valid"] > 0.5)
+    return STATES.join(
+        {
+            "heard": ca.if_else(heard, 1, before["heard"]),
+            "speed": ca.if_else(heard, u["feedforward.speed"], before["speed"]),
+        }
+    )
+
+
+def known(state: ca.SX) -> ca.SX:
+    """Velocity of the leader in its body axes as told [m/s] (2), 0 before anything was."""
+    return ca.vertcat(STATES.split(state)["speed"], 0)
+
+
+def just_told(before: ca.SX, after: ca.SX) -> ca.SX:
+    """`known` at the sample at which the head is heard for the first time, else 0 [m/s] (2)."""
+    first = STATES.split(after)["heard"] - STATES.split(before)["heard"]
+    return first * known(after)
