@@ -45,9 +45,9 @@ HEADWAY = 1.0
 GAIN = 3.0
 _FIRM = {"gain": GAIN, "adaptation.output": GAIN**2 / 7.0, "adaptation.hidden": GAIN**2 / 14.0}
 """K, F and G of adaptive followers: firmer than their start values, which halves errors and headway."""
-_TOLD = {"gain": 2.0, "adaptation.output": 0.01, "adaptation.hidden": 0.005, "bias.own_speed": False}
+_TOLD = {"gain": 2.0, "adaptation.output": 0.01, "adaptation.hidden": 0.005}
 """The same while they are told the head's speed, which makes errors small but not their ratio: that is T of the law, so
-it takes a network that learns slowly and a gain that the lags leave well damped. The network begins with nothing."""
+it takes a network that learns slowly and a gain that the lags leave well damped."""
 _BACK = {"headway.filter": 5.0}
 """Of constraint followers: with the slower filter they start with, they pass on fast motions as without headway."""
 SWEEP = 0.8
