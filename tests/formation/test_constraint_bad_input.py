@@ -16,6 +16,15 @@ ON_PLACE = (-10.0, 0.0, 0.0, 20.0, 0.0)
 ROD = {"constraint__offset": 0.0, "constraint__distance": 1.0}
 
 
+@pytest.fixture(params=["prompt", "led"], autouse=True)
+def _car(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Everything here holds for a car that does as told at once, and for one that lags and is led by as much."""
+    if request.param == "led":
+        led = {"lag": 0.1, "lead__speed": 0.1, "lead__yaw_rate": 0.1}
+        plain = loop.run
+        monkeypatch.setattr(loop, "run", lambda *args, **given: plain(*args, **(led | given)))
+
+
 def _finite(r: loop.Run) -> bool:
     return bool(np.isfinite([list(y.values()) for y in r.outputs]).all())
 
@@ -29,6 +38,8 @@ def _peaceful(r: loop.Run) -> None:
     assert np.diff(r["command.speed"]).max() <= 4.0 * loop.T + 1e-9
     assert np.diff(r["command.speed"]).min() >= -8.0 * loop.T - 1e-9
     assert np.abs(np.diff(r["command.yaw_rate"])).max() <= 3.0 * loop.T + 1e-9
+    assert np.diff(r["command.speed"]) == pytest.approx(loop.T * r["command.acceleration"][1:], abs=1e-9)
+    assert np.diff(r["command.yaw_rate"]) == pytest.approx(loop.T * r["command.yaw_acceleration"][1:], abs=1e-9)
 
 
 @pytest.mark.parametrize("beside", [0.0, 1e-9, 1e-3, 0.5])
@@ -153,6 +164,31 @@ def test_lost_messages_lead_to_a_stop_straight_on_and_back() -> None:
     assert r["command.speed"][lost][-1] < 11.0
     assert r.errors()[t < 8.0].max() < 0.2
     assert r.errors()[-1] < 0.2
+
+
+def test_a_leader_whose_messages_hop_breaks_no_limit() -> None:
+    """50 m and half a turn, there and back every 2 s: the grip is that of the speed driven and of the one to come."""
+    leader = loop.steady(20.0)
+
+    def hop(t: float) -> loop.Values:
+        there = loop.message(leader(t))
+        if int(t / 2.0) % 2:
+            there = there | {"leader.position.y": 50.0, "leader.yaw": np.pi}
+        return there
+
+    r = loop.run(leader, (-10.0, 0.0, 0.0, 20.0, 0.0), (-10.0, 0.0), 30.0, radio=hop, lag=0.2)
+    _peaceful(r)
+    assert (r["saturation.speed"] == 1.0).any()
+
+
+@pytest.mark.parametrize("turning", [1.0, -1.0])
+def test_a_car_that_spins_is_not_told_to(turning: float) -> None:
+    """Taken over at 1 rad/s and 20 m/s, three times the grip, the commands begin within it."""
+    follower, own = loop.Follower(), np.array([-10.0, 0.0, 0.0, 20.0, turning, 0.0])
+    rows = [follower.step(loop.message(STRAIGHT(0.0)) | loop.estimate(own) | {"formation.x": -10.0}) for _ in range(50)]
+    assert max(abs(y["command.yaw_rate"]) for y in rows) <= 0.7 * 9.81 / 20.0 + 1e-9
+    assert rows[0]["saturation.yaw_rate"] == 1.0
+    assert rows[0]["command.yaw_acceleration"] == pytest.approx(0.0, abs=1e-3)
 
 
 def test_a_third_of_the_messages_lost_at_random_is_only_noise() -> None:

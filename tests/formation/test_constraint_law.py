@@ -94,10 +94,17 @@ def test_a_known_lag_is_made_up_for(lag: float) -> None:
     assert led.max() < 0.02
 
 
-def test_commands_are_consistent() -> None:
-    r = loop.run(loop.s_curve(), (-20.0, 2.0, 0.1, 18.0, 0.0), PLACE, 10.0)
-    free = r["saturation.speed"][1:] == 0.0
-    assert np.diff(r["command.speed"])[free] == pytest.approx(loop.T * r["command.acceleration"][1:][free], abs=1e-9)
+@pytest.mark.parametrize("noise", [0.0, 1.0])
+@pytest.mark.parametrize(("speed", "turn"), [(0.0, 0.0), (0.16, 0.06), (0.5, 0.5)])
+def test_commands_are_consistent(speed: float, turn: float, noise: float) -> None:
+    """Commands led by whatever time keep the limits, and the accelerations told are their rates."""
+    leader, given = loop.s_curve(), {"lead__speed": speed, "lead__yaw_rate": turn}
+    radio = loop.Radio(leader, noise)
+    r = loop.run(leader, (-20.0, 2.0, 0.1, 18.0, 0.0), PLACE, 10.0, radio=radio, lag=0.15, **given)
+    assert r["command.acceleration"].min() >= -8.0 - 1e-9
+    assert r["command.acceleration"].max() <= 4.0 + 1e-9
+    assert np.abs(r["command.yaw_acceleration"]).max() <= 3.0 + 1e-9
+    assert np.diff(r["command.speed"]) == pytest.approx(loop.T * r["command.acceleration"][1:], abs=1e-9)
     assert np.diff(r["command.yaw_rate"]) == pytest.approx(loop.T * r["command.yaw_acceleration"][1:], abs=1e-9)
 
 

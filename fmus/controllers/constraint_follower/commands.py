@@ -1,7 +1,8 @@
-"""Accelerations asked for, integrated to commands of speed and yaw rate within the limits of a car.
+"""Accelerations asked for, integrated to speed and yaw rate, and the commands made of them, within a car's limits.
 
 The integrals stay within `windup.*` of what is measured: beyond, the car does not follow, and a command that ran on
-would have to run all the way back first.
+would have to run all the way back first. The commands are the integrals with the lead added, and move no faster than
+`limit.*` allow: where the integral itself takes the whole rate there is none left for the lead.
 """
 
 from __future__ import annotations
@@ -16,29 +17,62 @@ from fmus.controllers.constraint_follower.law import Asked
 from fmus.controllers.formation import link, realise
 
 
-class Commands(NamedTuple):
-    """The integrated speed and yaw rate with their rates and limits, and both commands with the lead added."""
+class Pair(NamedTuple):
+    """Speed [m/s] and yaw rate [rad/s]."""
 
+    speed: ca.SX
+    yaw_rate: ca.SX
+
+
+class Commands(NamedTuple):
+    """The integrals one sample later, and the commands with their rates and limits."""
+
+    integrals: Pair
     speed: realise.Realised
     yaw_rate: realise.Realised
-    led_speed: ca.SX
-    led_yaw_rate: ca.SX
 
 
-def near(p: Signals, u: Signals, speed: ca.SX, yaw_rate: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """The integrated speed [m/s] and yaw rate [rad/s], not further than `windup.*` from the measured ones."""
+def near(p: Signals, u: Signals, integrals: Pair) -> Pair:
+    """The integrals, not further than `windup.*` from the measured speed and yaw rate."""
     v, w = u["estimate.velocity.x"], u["estimate.yaw_rate"]
     dv, dw = p["windup.speed"], p["windup.yaw_rate"]
-    return clip(speed, ca.fmax(v - dv, 0), ca.fmax(v + dv, 0)), clip(yaw_rate, w - dw, w + dw)
+    speed = clip(integrals.speed, ca.fmax(v - dv, 0), ca.fmax(v + dv, 0))
+    return Pair(speed, clip(integrals.yaw_rate, w - dw, w + dw))
 
 
-def command(p: Signals, asked: Asked, linked: link.Link, alone: ca.SX, speed: ca.SX, yaw_rate: ca.SX) -> Commands:
-    """The commands after `speed` and `yaw_rate`; with `alone` = 1 nothing is left to follow: hold, then stop."""
-    T = p["sample_period"]
-    following = realise.speed_at_rate(p, speed, asked.acceleration)
-    holding = link.hold_speed(p, linked.state, speed, p["realise.speed_time"])
-    v = realise.Realised(*(ca.if_else(alone, h, f) for h, f in zip(holding, following, strict=True)))
-    w = realise.yaw_rate(p, yaw_rate, ca.if_else(alone, 0, yaw_rate + T * asked.yaw_acceleration), v.value)
-    most = realise.yaw_rate_limit(p, v.value)
-    led_speed = clip(v.value + p["lead.speed"] * v.rate, 0, p["limit.speed"])
-    return Commands(v, w, led_speed, clip(w.value + p["lead.yaw_rate"] * w.rate, -most, most))
+def command(
+    p: Signals, u: Signals, asked: Asked, linked: link.Link, alone: ca.SX, integrals: Pair, last: Pair
+) -> Commands:
+    """The commands after `last`; with `alone` = 1 nothing is left to follow: hold, then stop, without a lead."""
+    followed = _follow(p, u, asked, integrals, last)
+    stopped = _stop(p, u, linked, last)
+    v, w = (
+        realise.Realised(*(ca.if_else(alone, *pair) for pair in zip(stop, follow, strict=True)))
+        for stop, follow in zip(stopped, followed[1:], strict=True)
+    )
+    kept = (ca.if_else(alone, now.value, then) for now, then in zip((v, w), followed.integrals, strict=True))
+    return Commands(Pair(*kept), v, w)
+
+
+def _follow(p: Signals, u: Signals, asked: Asked, integrals: Pair, last: Pair) -> Commands:
+    T, measured = p["sample_period"], u["estimate.velocity.x"]
+    v = realise.speed_at_rate(p, integrals.speed, asked.acceleration)
+    led = v.value + p["lead.speed"] * v.rate
+    speed = realise.speed_at_rate(p, last.speed, (clip(led, 0, p["limit.speed"]) - last.speed) / T)
+    turn = integrals.yaw_rate + T * asked.yaw_acceleration
+    w = realise.yaw_rate(p, integrals.yaw_rate, turn, ca.fmax(v.value, measured))
+    led_turn = w.value + p["lead.yaw_rate"] * w.rate
+    yaw_rate = realise.yaw_rate(p, last.yaw_rate, led_turn, ca.fmax(speed.value, measured))
+    return Commands(Pair(v.value, w.value), _either(speed, v), _either(yaw_rate, w))
+
+
+def _stop(p: Signals, u: Signals, linked: link.Link, last: Pair) -> tuple[realise.Realised, realise.Realised]:
+    """Straight on from the commands as they are, at the last known speed, then to a stop."""
+    speed = link.hold_speed(p, linked.state, last.speed, p["realise.speed_time"])
+    fastest = ca.fmax(speed.value, u["estimate.velocity.x"])
+    return speed, realise.yaw_rate(p, last.yaw_rate, ca.SX(0), fastest)
+
+
+def _either(command: realise.Realised, integral: realise.Realised) -> realise.Realised:
+    """The command, limited where it or its integral is."""
+    return command._replace(limited=ca.fmax(command.limited, integral.limited))

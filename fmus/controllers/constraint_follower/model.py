@@ -5,6 +5,7 @@ from __future__ import annotations
 import casadi as ca
 
 from fmukit.kernel import Kernel, Layout, Signals, sampled_kernel, stack, symbols
+from fmus.clip import clip
 from fmus.controllers.constraint_follower import commands, law, leader, places
 from fmus.controllers.constraint_follower.interface import INTERFACE, KINDS, ROWS
 from fmus.controllers.formation import hand, link, offset, realise
@@ -13,6 +14,7 @@ STATES = Layout(
     started=1,  # 0 before the first sample, which starts from the own motion
     speed=1,  # integrated speed [m/s]
     yaw_rate=1,  # integrated yaw rate [rad/s]
+    command=2,  # speed [m/s] and yaw rate [rad/s] commanded last
     offset=offset.STATES.size,  # the wanted place on its way to formation.x/y
     headway=places.HEADWAY.size,
     path=places.PATH.size,
@@ -42,15 +44,17 @@ def _step() -> ca.Function:
     shift = _shifting(p, u, before["offset"])
     linked = link.supervise(p, u, before["link"], ca.fmax(u["leader.velocity.x"], 0))
     followed = leader.follow(p, u, before["leader"], linked.heard)
-    speed, yaw_rate = commands.near(p, u, before["speed"], before["yaw_rate"])
-    back = places.pull_back(p, before["headway"], speed)
+    integrals = commands.near(p, u, commands.Pair(before["speed"], before["yaw_rate"]))
+    back = places.pull_back(p, before["headway"], integrals.speed)
     place = places.place(before["offset"], before["headway"], back)
-    me = law.own(p, u, speed, yaw_rate)
+    me = law.own(p, u, *integrals)
     asked = law.ask(p, me, leader.motion(p, followed), place, places.path(p, u, before["path"]), linked.heard)
     alone = ca.logic_and(linked.heard < 0.5, ca.sum1(asked.on) < 0.5)
-    driven = commands.command(p, asked, linked, alone, speed, yaw_rate)
+    last = commands.Pair(*ca.vertsplit(before["command"]))
+    driven = commands.command(p, u, asked, linked, alone, integrals, last)
     after = STATES.join(
-        {"started": ca.SX(1), "speed": driven.speed.value, "yaw_rate": driven.yaw_rate.value}
+        {"started": ca.SX(1), "command": ca.vertcat(driven.speed.value, driven.yaw_rate.value)}
+        | driven.integrals._asdict()
         | {"offset": shift, "headway": places.pulled_back(before["headway"], back, T)}
         | {"path": places.path_state(p, u, before["path"]), "link": linked.state, "leader": followed}
     )
@@ -61,10 +65,12 @@ def _step() -> ca.Function:
 
 def _begun(p: Signals, u: Signals, state: Parts) -> Parts:
     """The state, at the first sample that of a follower that drives as it does, wanted at formation.x/y."""
-    own = ca.fmax(u["estimate.velocity.x"], 0)
+    own, most = ca.fmax(u["estimate.velocity.x"], 0), realise.yaw_rate_limit(p, u["estimate.velocity.x"])
+    turning = clip(u["estimate.yaw_rate"], -most, most)
     start = {
         "speed": own,
-        "yaw_rate": u["estimate.yaw_rate"],
+        "yaw_rate": turning,
+        "command": ca.vertcat(ca.fmin(own, p["limit.speed"]), turning),
         "offset": offset.start(_target(u)),
         "headway": ca.vertcat(p["headway"] * own, 0),
         "path": places.path_start(u),
@@ -91,11 +97,11 @@ def _outputs(
 ) -> Parts:
     rate = leader.rates(p, followed)
     values = {
-        "command.speed": driven.led_speed,
+        "command.speed": driven.speed.value,
         "command.acceleration": driven.speed.rate,
-        "command.yaw_rate": driven.led_yaw_rate,
+        "command.yaw_rate": driven.yaw_rate.value,
         "command.yaw_acceleration": driven.yaw_rate.rate,
-        "command.steer_feedforward": realise.steering(p, u["estimate.velocity.x"], driven.led_yaw_rate),
+        "command.steer_feedforward": realise.steering(p, u["estimate.velocity.x"], driven.yaw_rate.value),
         "saturation.speed": driven.speed.limited,
         "saturation.yaw_rate": driven.yaw_rate.limited,
         "link.lost": 1 - linked.heard,
