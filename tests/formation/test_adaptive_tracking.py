@@ -162,6 +162,26 @@ def test_offset_moves_smoothly_and_its_rate_is_known():
     assert run.distance(after=5.0).max() < 0.25
 
 
+@pytest.mark.parametrize(("before", "after"), [((-12.0, 4.0), (-60.0, 4.0)), ((-60.0, 0.0), (-12.0, 0.0))])
+def test_a_far_new_place_is_approached_within_the_limits_and_the_follower_stays_in_it(before, after):
+    """48 m along the road take longer than formation.duration: half of the acceleration, 2 m/s2, is never exceeded."""
+
+    def change(t):
+        x, y = before if t < 5 else after
+        return {"formation.x": x, "formation.y": y}
+
+    straight = {"speed": lambda t: 20.0, "yaw_rate": lambda t: 0.0, "lag": LAG}
+    run = simulate(**straight, r=before, duration=25.0, inputs=change)
+    offset = np.column_stack([run.outputs[f"offset.{axis}"] for axis in "xy"])
+    reached = run.time[np.abs(offset - after).max(axis=1) > 0.0][-1] - 5.0
+    assert reached == pytest.approx(np.sqrt(10 / np.sqrt(3) * 48.0 / 2.0), abs=0.1)
+    speed = np.diff(offset, axis=0) / T
+    assert np.abs(np.diff(speed, axis=0)).max() / T < 2.0 * 1.01  # so nothing jumps
+    assert np.abs(np.diff(speed, n=2, axis=0)).max() / T**2 < 1.01 * 60 * 48.0 / reached**3
+    assert not run.outputs["saturation.speed"].any()
+    assert run.distance().max() < 1.0
+
+
 @pytest.mark.parametrize("start", [(-60.0, 0.0), (40.0, 0.0), (-30.0, -25.0)])
 def test_from_afar_the_place_is_reached_without_overshoot(start):
     """Led there on a gentle course; rushing, the same car shoots past by many metres."""

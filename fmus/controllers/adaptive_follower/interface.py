@@ -20,7 +20,7 @@ INTERFACE = sampled(
         *load_parameters(Path(__file__).with_name("parameters.toml")),
         *bus.follower_parameters(),
         *bus.follower_inputs(leader_motion=False),
-        *bus.follower_outputs(),
+        *bus.follower_outputs(led_back=True),
         output("weights.norm", "m/s", "size of the output weights, the Frobenius norm of W"),
         output("weights.hidden_norm", "1", "size of the hidden weights, the Frobenius norm of V"),
         *group(output, "velocity", "xy", "m/s", "velocity of the wanted place in the leader's body axes, as learnt"),

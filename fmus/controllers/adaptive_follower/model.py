@@ -82,7 +82,7 @@ def _step() -> ca.Function:
     after = STATES.join(
         {"started": ca.SX(1), "V": ca.vec(taught["V"]), "W": ca.vec(taught["W"]), "velocity": driven.nu}
         | {"speed": driven.speed.value, "yaw_rate": driven.yaw_rate.value}
-        | {"offset": _shifted(p, u, before["offset"])}
+        | {"offset": _shifted(p, u, before)}
         | {"link": linked.state, "turning": before["turning"], "broadcast": taught["broadcast"]}
     )
     y = stack(INTERFACE.names("output"), _outputs(p, u, taught, seen, driven, linked))
@@ -124,9 +124,11 @@ def _leader_speed(state: Parts) -> ca.SX:
     return (state["velocity"] + broadcast.known(state["broadcast"]))[0]
 
 
-def _shifted(p: Signals, u: Signals, state: ca.SX) -> ca.SX:
-    """The wanted place one sample later."""
-    return offset.advance(state, sample.wanted_place(u), p["sample_period"], p["formation.duration"])
+def _shifted(p: Signals, u: Signals, before: Parts) -> ca.SX:
+    """The wanted place one sample later; a far one is approached as gently as the follower is led back from afar."""
+    target, limits = sample.wanted_place(u), catch_up.gentle(p, _leader_speed(before))
+    duration = offset.unhurried(before["offset"], target, p["formation.duration"], *limits)
+    return offset.advance(before["offset"], target, p["sample_period"], duration)
 
 
 def _led_back(p: Signals, u: Signals, before: Parts, linked: link.Link) -> ca.SX:

@@ -29,15 +29,21 @@ def follower_inputs(*, leader_motion: bool) -> list[Variable]:
     return [*_leader(leader_motion), *_estimate(), *_formation()]
 
 
-def follower_outputs() -> list[Variable]:
-    """Commands as LowLevelPid takes them, error of the hand point, and what is limited or lost."""
+def follower_outputs(*, led_back: bool = False) -> list[Variable]:
+    """Commands as LowLevelPid takes them, error of the hand point, and what is limited or lost.
+
+    With `led_back` the place jumps where the follower is found far from it (`catch_up.py`).
+    """
+    place = "place of O1 in the leader's body axes wanted now, with headway; smooth"
+    if led_back:
+        place += ", but a follower further off than catch_up.distance finds it near, in one jump"
     return [
         output("command.speed", "m/s", "forward speed"),
         output("command.acceleration", "m/s2", "longitudinal acceleration, the rate of command.speed"),
         output("command.yaw_rate", "rad/s", "yaw rate"),
         output("command.steer_feedforward", "rad", "steering angle that gives command.yaw_rate in a steady turn"),
         *group(output, "error", "xy", "m", "actual minus wanted place of the hand point in the follower's body axes"),
-        *group(output, "offset", "xy", "m", "place of O1 in the leader's body axes wanted now, smooth, with headway"),
+        *group(output, "offset", "xy", "m", place),
         output("saturation.speed", "1", "1 while speed or acceleration are limited, else 0"),
         output("saturation.yaw_rate", "1", "1 while the yaw rate is limited, else 0"),
         output("link.lost", "1", "1 while the leader is not heard, else 0"),
