@@ -53,12 +53,16 @@ class Change:
     error: float
 
 
-def formation_metrics(results: Results, leaders: Mapping[int, int], begin: float = 0.0) -> dict[str, float]:
+def formation_metrics(
+    results: Results, leaders: Mapping[int, int], begin: float = 0.0, changes_until: float = math.inf
+) -> dict[str, float]:
     """Metrics per follower, `car2.formation_error_rms`, and the worst of all without a car's name; from `begin` [s] on.
+
+    Changes of formation are looked at up to `changes_until` [s], when something else begins.
 
     NaN where there is nothing to measure: no follower, no change of formation.
     """
-    of_car = {car: _of_follower(results, car, leaders[car], begin) for car in sorted(leaders)}
+    of_car = {car: _of_follower(results, car, leaders[car], begin, changes_until) for car in sorted(leaders)}
     names = next(iter(of_car.values()), dict.fromkeys(_NAMES, math.nan))
     worst = {name: _worst([metrics[name] for metrics in of_car.values()]) for name in names}
     singles = {f"car{car}.{name}": value for car, metrics in of_car.items() for name, value in metrics.items()}
@@ -71,12 +75,12 @@ _NAMES = (
 )
 
 
-def _of_follower(results: Results, car: int, leader: int, begin: float) -> dict[str, float]:
+def _of_follower(results: Results, car: int, leader: int, begin: float, changes_until: float) -> dict[str, float]:
     e = follower_errors(results, car, leader)
     late = e.time >= begin
     controlled, position = (np.linalg.norm(z[late], axis=1) for z in (e.hand, e.position))
     command = commanded(results, car)
-    changes = [c for c in formation_changes(e, command) if c.begin >= begin]
+    changes = [c for c in formation_changes(e, command, until=changes_until) if c.begin >= begin]
     there = late & settled_command(e.time, command, _told(results, car, "formation.duration", DURATION))
     values = (
         *(rms(controlled), peak(controlled), rms(position), peak(position)),
@@ -131,10 +135,11 @@ def commanded(results: Results, car: int) -> Vector:
     return np.stack([column(axis) for axis in "xy"], -1)
 
 
-def formation_changes(e: Errors, command: Vector, settled: float = SETTLED) -> list[Change]:
-    """The changes of formation that `command` (n, 2) makes, each up to the next."""
-    jumps = _jumps(command)
-    ends = [*jumps[1:], len(e.time)]
+def formation_changes(e: Errors, command: Vector, settled: float = SETTLED, until: float = math.inf) -> list[Change]:
+    """The changes of formation that `command` (n, 2) makes up to `until` [s], each up to the next."""
+    last = int(np.searchsorted(e.time, until))
+    jumps = _jumps(command[:last])
+    ends = [*jumps[1:], last]
     far, size = np.linalg.norm(e.place, axis=1), np.linalg.norm(e.hand, axis=1)
     return [
         Change(float(e.time[i]), settling(e.time[i:j], far[i:j], settled), peak(size[i:j]))

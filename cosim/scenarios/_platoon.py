@@ -64,7 +64,9 @@ SETTINGS = {
     "headway": NumberSetting(HEADWAY, 0.0, 3.0, "s", "the wanted place moves back by this times the own speed"),
     "law": Setting("adaptive", tuple(LAWS), "how followers keep their places"),
     "manoeuvre": Setting(
-        "events", ("events", "push", "braking", "merge", "sweep"), "all events one after another, one of them, or sweep"
+        "events",
+        ("events", "push", "braking", "merge", "sweep", "quiet"),
+        "all events one after another, one of them, a sweep, or nothing",
     ),
 }
 

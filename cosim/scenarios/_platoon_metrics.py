@@ -29,7 +29,7 @@ def platoon_metrics(results: Results) -> dict[str, float]:
     follows = leaders(results.settings)
     errors = {k: follower_errors(results, k, leader) for k, leader in follows.items()}
     return {
-        **formation_metrics(results, follows),
+        **formation_metrics(results, follows, changes_until=_platoon.span(results.settings, "merge")[1]),
         **distance_metrics(results, (HEAD, *follows)),
         **_pushed(results, errors),
         **_ratios(results, errors),
@@ -59,6 +59,21 @@ def _ratios(results: Results, errors: Mapping[int, Errors]) -> dict[str, float]:
     return ratio_metrics(
         {k: during(results, e, *_platoon.span(results.settings, "braking")) for k, e in errors.items()}
     )
+
+
+def response_ratios(results: Results, quiet: Results) -> dict[str, float]:
+    """The ratios of a braking alone, of errors less those of the run `quiet` with the same seed where nothing happens.
+
+    The noise of sensors and radios is the same in both and drops out, as far as it does not depend on the motion.
+    """
+    begin, end = _platoon.span({"manoeuvre": "braking"}, "braking")
+
+    def errors(run: Results) -> dict[int, Vector]:
+        follows = leaders(run.settings)
+        return {k: during(run, follower_errors(run, k, leader), begin, end) for k, leader in follows.items()}
+
+    disturbed, calm = errors(results), errors(quiet)
+    return ratio_metrics({k: disturbed[k] - calm[k] for k in disturbed})
 
 
 def _gains(results: Results, errors: Mapping[int, Errors]) -> dict[str, float]:

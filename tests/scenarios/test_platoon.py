@@ -16,6 +16,7 @@ from cosim.run import Request, run
 from cosim.scenario import configured
 from cosim.scenarios import _platoon as platoon
 from cosim.scenarios import load
+from cosim.scenarios._platoon_metrics import response_ratios
 
 Drive = Callable[..., tuple[dict[str, Any], Results]]
 LIGHT = ("scenario.plant=unicycle", "scenario.vehicles=4")
@@ -54,23 +55,23 @@ def test_braking_grows_along_a_chain_without_a_remedy(drive: Drive) -> None:
     assert min(ratios(metrics, 3).values()) > 1.2
 
 
-def test_in_a_star_all_have_about_the_same_error(drive: Drive) -> None:
-    """Nothing is passed on; what differs is noise."""
-    metrics, _ = drive(*LIGHTEST, *STAR, manoeuvre="braking", stop=BRAKING[1])
-    for name, value in ratios(metrics, 3).items():
-        assert value == pytest.approx(1.0, abs=0.05 if name.endswith("rms") else 0.1)
+def response(drive: Drive, cars: int, *assignments: str) -> dict[str, float]:
+    """All ratios of a braking, less the noise: where errors are small or independent, it differs by several percent."""
+    runs = [drive(*assignments, manoeuvre=manoeuvre, stop=BRAKING[1])[1] for manoeuvre in ("braking", "quiet")]
+    return ratios(response_ratios(*runs), cars)
 
 
-def test_no_ratio_exceeds_105_percent_when_all_know_the_heads_speed(drive: Drive) -> None:
-    metrics, _ = drive(*LIGHT, *TOLD, manoeuvre="braking", stop=BRAKING[1])
-    assert max(ratios(metrics, 4).values()) <= 1.05
-    assert metrics["car2.formation_error_max"] > 0.4  # far above what sensors leave
-    assert metrics["collision"] == 0.0
+@pytest.mark.parametrize("remedy", [STAR, TOLD], ids=["star", "the head's speed"])
+def test_no_ratio_exceeds_105_percent_in_a_star_or_when_all_know_the_heads_speed(
+    drive: Drive, remedy: tuple[str, ...]
+) -> None:
+    assert max(response(drive, 3, *LIGHTEST, *remedy).values()) <= 1.05
 
 
 def test_with_headway_no_ratio_exceeds_105_percent_and_a_push_and_a_merge_end_well(drive: Drive) -> None:
     metrics, results = drive(*LIGHT, manoeuvre="events")
     assert max(ratios(metrics, 4).values()) <= 1.05
+    assert metrics["settling_time"] < 14.0
     assert metrics["push_error_max"] > 2 * metrics["push_error_ahead_max"]
     assert metrics["collision"] == 0.0
     last = [np.array([results[f"car{k}.plant.position.{axis}"][-1] for axis in "xy"]) for k in range(1, 5)]
@@ -136,9 +137,9 @@ def test_everybody_starts_and_ends_in_the_same_row(topology: str, headway: str) 
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize("remedy", [(), TOLD], ids=["headway", "the head's speed"])
-def test_ten_cars_of_full_stack(drive: Drive, remedy: tuple[str, ...]) -> None:
-    metrics, _ = drive(*remedy, manoeuvre="braking", stop=BRAKING[1])
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_ten_cars_of_full_stack_with_headway(drive: Drive, seed: int) -> None:
+    metrics, _ = drive(manoeuvre="braking", stop=BRAKING[1], seed=seed)
     found = ratios(metrics, 10)
     print({name: round(value, 3) for name, value in found.items()})
     assert max(found.values()) <= 1.05
@@ -146,18 +147,17 @@ def test_ten_cars_of_full_stack(drive: Drive, remedy: tuple[str, ...]) -> None:
 
 
 @pytest.mark.nightly
-def test_ten_cars_of_full_stack_without_a_remedy(drive: Drive) -> None:
-    metrics, _ = drive(*CHAIN0, manoeuvre="braking", stop=BRAKING[1])
-    assert metrics["string_ratio_max"] > 1.3
+@pytest.mark.parametrize("remedy", [STAR, TOLD], ids=["star", "the head's speed"])
+def test_ten_cars_of_full_stack_with_other_remedies(drive: Drive, remedy: tuple[str, ...]) -> None:
+    found = response(drive, 10, *remedy)
+    print({name: round(value, 3) for name, value in found.items()})
+    assert max(found.values()) <= 1.05
 
 
 @pytest.mark.nightly
-def test_ten_cars_of_full_stack_in_a_star(drive: Drive) -> None:
-    metrics, _ = drive(*STAR, manoeuvre="braking", stop=BRAKING[1])
-    found = ratios(metrics, 10)
-    print({name: round(value, 3) for name, value in found.items()})
-    assert max(value for name, value in found.items() if name.endswith("rms")) <= 1.05
-    assert max(found.values()) <= 1.1
+def test_ten_cars_of_full_stack_without_a_remedy(drive: Drive) -> None:
+    metrics, _ = drive(*CHAIN0, manoeuvre="braking", stop=BRAKING[1])
+    assert metrics["string_ratio_max"] > 1.3
 
 
 @pytest.mark.nightly
