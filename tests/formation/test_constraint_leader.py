@@ -104,3 +104,42 @@ def test_a_message_that_is_held_is_not_new(period: float) -> None:
     asked = ca.Function("news", [before, now], [*messages.news(ca.SX(1), before, now, T)])
     told = [tuple(map(float, asked(*pair))) for pair in itertools.pairwise(age)]
     assert [between for new, between in told if new] == pytest.approx([0.1] * 9)
+
+
+@pytest.mark.parametrize("first", [0.03, 0.1, 1.0, 4.0])
+def test_the_heads_broadcast_counts_from_its_first_message_on(first: float) -> None:
+    """Until then feedforward.speed is a zero that nobody sent; leader and head speed up at 1 m/s2 all the time."""
+    leader = loop.along_x(lambda t: 20.0 + t, 10.0)
+
+    def broadcast(t: float) -> loop.Values:
+        told = t >= first - 1e-9
+        return {"feedforward.speed": leader(t)[3] if told else 0.0, "feedforward.valid": float(told)}
+
+    place, start = (-12.0, 0.0), (-12.0, 0.0, 0.0, 20.0, 0.0)
+    r = loop.run(leader, start, place, 8.0, inputs=broadcast, feedforward__enabled=1.0)
+    t = loop.T * np.arange(len(r.own))
+    assert r["leader.acceleration.x"].min() > -1e-9
+    assert r["leader.acceleration.x"].max() < 1.8  # from 0 the filter, critically damped, overshoots by two thirds
+    assert r["leader.acceleration.x"][-1] == pytest.approx(1.0, abs=0.02)
+    if first > 2.0:
+        assert r["leader.acceleration.x"][t > 2.0] == pytest.approx(1.0, abs=0.02)
+    assert r.errors().max() < 0.3
+
+
+def test_without_its_broadcast_the_leaders_own_messages_count() -> None:
+    """Lost for good at 5 s: what follows is as if there had been none."""
+    leader = loop.along_x(lambda t: 20.0 + np.sin(t), 15.0)
+    place, start = (-12.0, 0.0), (-12.0, 0.0, 0.0, 20.0, 0.0)
+    never, lost = (
+        loop.run(
+            leader,
+            start,
+            place,
+            12.0,
+            feedforward__enabled=1.0,
+            inputs=lambda t, until=until: {"feedforward.speed": 30.0 - t, "feedforward.valid": float(t < until)},
+        )
+        for until in (0.0, 5.0)
+    )
+    assert lost["leader.acceleration.x"][100:250].max() < -0.9
+    assert lost["leader.acceleration.x"][250:] == pytest.approx(never["leader.acceleration.x"][250:], abs=1e-12)

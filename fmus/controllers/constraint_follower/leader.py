@@ -7,7 +7,7 @@ at a message, Delta after the one before, by its innovation times
     g = 1 - theta^3,   h = 3/2 (1 - theta)^2 (1 + theta)/Delta,   k = (1 - theta)^3/Delta^2,   theta = exp(-Delta/tau)
 
 Between messages all is carried forward, and a message is carried over its age before it is compared. The broadcast of
-the head is taken to be as old as the message.
+the head is taken to be as old as the message; until the first one, and while there is none, v_x stands in for v_head.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from fmus.controllers.formation.messages import news
 
 STATES = Layout(
     heard=1,  # 1 while the link stands
+    told=1,  # 1 while the head's broadcast counts
     age=1,  # of the newest message [s]
     position=2,  # of O1 [m]
     yaw=1,  # [rad]
@@ -43,6 +44,7 @@ class Motion(NamedTuple):
 def follow(p: Signals, u: Signals, state: ca.SX, heard: ca.SX) -> ca.SX:
     """The state now, from that of the sample before; the first message of a link begins anew."""
     before, T, tau = STATES.split(state), p["sample_period"], p["leader.filter_time"]
+    told = u["feedforward.valid"] > 0.5
     now = carried(before, T, ca.fmax(0, ca.fmin(T, tau - before["age"])))
     new, between = news(heard, before["age"], u["leader.age"], T)
     corrected = _corrected(u, now, between, tau)
@@ -51,8 +53,9 @@ def follow(p: Signals, u: Signals, state: ca.SX, heard: ca.SX) -> ca.SX:
     for name in ("position", "yaw", "w", "rate", "curve"):
         followed = ca.if_else(new, corrected[name], now[name])
         later[name] = ca.if_else(ca.logic_and(heard, before["heard"] < 0.5), begun[name], followed)
+    later |= _head_begun(u, later, ca.logic_and(told, before["told"] < 0.5))
     age = ca.if_else(heard, u["leader.age"], before["age"] + T)
-    return STATES.join(later | {"heard": ca.if_else(heard, 1, 0), "age": age})
+    return STATES.join(later | {"heard": ca.if_else(heard, 1, 0), "told": told, "age": age})
 
 
 def carried(m: Parts, T: ca.SX, bent: ca.SX | None = None) -> Parts:
@@ -73,9 +76,10 @@ def gains(between: ca.SX, tau: ca.SX) -> ca.SX:
 
 
 def rates(p: Signals, state: ca.SX) -> ca.SX:
-    """(v_x', v_y', omega') (3); with feedforward.enabled the leader speeds up as the head of the formation does."""
-    rate = STATES.split(state)["rate"]
-    return ca.vertcat(ca.if_else(p["feedforward.enabled"], rate[3], rate[0]), rate[1:3])
+    """(v_x', v_y', omega') (3); with feedforward.enabled the leader speeds up as the head that is heard does."""
+    m = STATES.split(state)
+    with_head = ca.logic_and(p["feedforward.enabled"], m["told"])
+    return ca.vertcat(ca.if_else(with_head, m["rate"][3], m["rate"][0]), m["rate"][1:3])
 
 
 def motion(p: Signals, state: ca.SX) -> Motion:
@@ -96,6 +100,14 @@ def _message(u: Signals) -> Parts:
         "yaw": u["leader.yaw"],
         "w": ca.vertcat(u.vector("leader.velocity", "xy"), u["leader.yaw_rate"], u["feedforward.speed"]),
     }
+
+
+def _head_begun(u: Signals, m: Parts, anew: ca.SX) -> Parts:
+    """The polynomials, that of the head begun `anew` from what it told, as if it sped up as the leader does."""
+    rate, curve = m["rate"][0], m["curve"][0]
+    age = u["leader.age"]
+    begun = {"w": u["feedforward.speed"] + age * (rate - age / 2 * curve), "rate": rate, "curve": curve}
+    return {name: ca.vertcat(m[name][:3], ca.if_else(anew, value, m[name][3])) for name, value in begun.items()}
 
 
 def _begun(u: Signals) -> Parts:
