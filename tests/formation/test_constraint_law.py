@@ -173,3 +173,19 @@ def test_headway_makes_the_distance_grow_with_the_speed() -> None:
     assert r.errors().max() < 0.1
     assert np.diff(r.own[:, 3]).max() < 1.001 * loop.T
     assert r.own[:, 3].max() <= 28.001
+
+
+@pytest.mark.parametrize(("period", "w"), [(0.02, 2.0), (0.06, 20.0), (1.0, 2.0), (1.0, 20.0)])
+def test_the_headway_filter_is_exact_at_any_period(period: float, w: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A measured speed that steps by 2 m/s: d goes the way of the double pole on paper."""
+    monkeypatch.setattr(loop, "T", period)
+    given = {"windup__speed": 0.1, "link__hold": 1e3}
+    follower, rows, jump = loop.Follower(sample_period=period, headway=1.0, headway__filter=w, **given), [], 10
+    for k in range(80):
+        own = np.array([0.0, 0.0, 0.0, 20.0 if k < jump else 22.0, 0.0, 0.0])
+        y = follower.step({"leader.valid": 0.0, "leader.age": k * period} | loop.estimate(own))
+        rows.append(-y["offset.x"])
+    t = period * np.arange(80 - jump)
+    held = 22.0 - 0.1  # without a leader to follow, the integral is drawn to within windup.speed
+    assert rows[:jump] == pytest.approx([20.0] * jump, abs=1e-9)
+    assert rows[jump:] == pytest.approx(20.0 + (held - 20.0) * (1.0 - (1.0 + w * t) * np.exp(-w * t)), abs=1e-9)

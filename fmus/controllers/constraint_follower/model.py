@@ -40,13 +40,13 @@ def _initialise() -> ca.Function:
 
 def _step() -> ca.Function:
     p, u, x = symbols(INTERFACE, "parameter"), symbols(INTERFACE, "input"), STATES.symbol()
-    before, T = _begun(p, u, STATES.split(x)), p["sample_period"]
+    before = _begun(p, u, STATES.split(x))
     shift = _shifting(p, u, before["offset"])
     linked = link.supervise(p, u, before["link"], ca.fmax(u["leader.velocity.x"], 0))
     followed = leader.follow(p, u, before["leader"], linked.heard)
     integrals = commands.near(p, u, commands.Pair(before["speed"], before["yaw_rate"]))
-    back = places.pull_back(p, before["headway"], integrals.speed)
-    place = places.place(before["offset"], before["headway"], back)
+    back = places.pulled_back(p, before["headway"], integrals.speed)
+    place = places.place(before["offset"], before["headway"], places.acceleration(p, before["headway"], back))
     me = law.own(p, u, *integrals)
     asked = law.ask(p, me, leader.motion(p, followed), place, places.path(p, u, before["path"]), linked.heard)
     alone = ca.logic_and(linked.heard < 0.5, ca.sum1(asked.on) < 0.5)
@@ -55,7 +55,7 @@ def _step() -> ca.Function:
     after = STATES.join(
         {"started": ca.SX(1), "command": ca.vertcat(driven.speed.value, driven.yaw_rate.value)}
         | driven.integrals._asdict()
-        | {"offset": shift, "headway": places.pulled_back(before["headway"], back, T)}
+        | {"offset": shift, "headway": back}
         | {"path": places.path_state(p, u, before["path"]), "link": linked.state, "leader": followed}
     )
     y = stack(INTERFACE.names("output"), _outputs(p, u, driven, asked, linked, place, followed))

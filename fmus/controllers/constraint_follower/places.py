@@ -27,17 +27,22 @@ def place(shift: ca.SX, headway: ca.SX, back_acceleration: ca.SX) -> Motion:
     return Motion(*(r - ca.vertcat(b, 0) for r, b in zip(offset.value(shift), behind, strict=True)))
 
 
-def pull_back(p: Signals, headway: ca.SX, speed: ca.SX) -> ca.SX:
-    """d'' [m/s2] of d'' + 2 w d' + w^2 d = w^2 headway v: the headway as a place that has all its derivatives."""
-    w, d = p["headway.filter"], HEADWAY.split(headway)
-    return w**2 * (p["headway"] * speed - d["back"]) - 2 * w * d["rate"]
+def pulled_back(p: Signals, headway: ca.SX, speed: ca.SX) -> ca.SX:
+    """The headway state one period later by d'' + 2 w d' + w^2 d = w^2 headway v, exact for a speed that stays.
+
+    A place that has all its derivatives. With e = d - headway v:
+    (e, d') after T = exp(-w T) [1 + w T, T; -w^2 T, 1 - w T] (e, d') before.
+    """
+    w, T, d = p["headway.filter"], p["sample_period"], HEADWAY.split(headway)
+    end = p["headway"] * speed
+    e, rate, decay = d["back"] - end, d["rate"], ca.exp(-w * T)
+    back = end + decay * ((1 + w * T) * e + T * rate)
+    return HEADWAY.join({"back": back, "rate": decay * ((1 - w * T) * rate - w**2 * T * e)})
 
 
-def pulled_back(headway: ca.SX, acceleration: ca.SX, T: ca.SX) -> ca.SX:
-    """The headway state one period later."""
-    d = HEADWAY.split(headway)
-    later = {"back": d["back"] + T * d["rate"] + T**2 / 2 * acceleration, "rate": d["rate"] + T * acceleration}
-    return HEADWAY.join(later)
+def acceleration(p: Signals, before: ca.SX, after: ca.SX) -> ca.SX:
+    """d'' [m/s2] between two headway states a period apart, the mean."""
+    return (HEADWAY.split(after)["rate"] - HEADWAY.split(before)["rate"]) / p["sample_period"]
 
 
 def path(p: Signals, u: Signals, state: ca.SX) -> Motion:
