@@ -8,9 +8,9 @@ import casadi as ca
 
 from fmukit.kernel import Kernel, Layout, Signals, sampled_kernel, stack, symbols
 from fmus.clip import clip
-from fmus.controllers.adaptive_follower import broadcast, law, network, turning
+from fmus.controllers.adaptive_follower import broadcast, law, network, situation, turning
 from fmus.controllers.adaptive_follower.interface import INTERFACE
-from fmus.controllers.formation import catch_up, hand, link, offset, realise, sample
+from fmus.controllers.formation import link, offset, realise, sample
 from fmus.controllers.formation.sample import Parts
 
 _V, _W = (network.N1 + 1, network.N2), (network.N2 + 1, network.N3)
@@ -38,19 +38,6 @@ def kernel() -> Kernel:
     return sampled_kernel(INTERFACE, states=STATES, derived=DERIVED, initialise=_initialise(), step=_step())
 
 
-class _Seen(NamedTuple):
-    """What a sample knows besides the weights.
-
-    The wanted place of O1, z, xbar, R(psi_L - psi_i), and Delta without the network's share.
-    """
-
-    place: ca.SX
-    z: ca.SX
-    xbar: ca.SX
-    R_rel: ca.SX
-    known: ca.SX
-
-
 class _Driven(NamedTuple):
     """nu_hat and the commands it leads to."""
 
@@ -72,17 +59,17 @@ def _initialise() -> ca.Function:
 
 def _step() -> ca.Function:
     p, u, x = symbols(INTERFACE, "parameter"), symbols(INTERFACE, "input"), STATES.symbol()
-    before = _told(p, u, _begun(p, u, STATES.split(x)))
-    linked = link.supervise(p, u, before["link"], ca.fmax(_leader_speed(before), 0))
+    before = situation.told(p, u, _begun(p, u, STATES.split(x)))
+    linked = link.supervise(p, u, before["link"], ca.fmax(situation.leader_speed(before), 0))
     before |= {"turning": turning.follow(p, u, before["turning"], linked.heard)}
-    before |= {"offset": _led_back(p, u, before, linked)}
-    seen = _seen(p, u, before)
+    before |= {"offset": situation.led_back(p, u, before, linked)}
+    seen = situation.seen(p, u, before)
     taught = before | _taught(p, u, before, seen, linked)
     driven = _drive(p, u, taught, seen, linked)
     after = STATES.join(
         {"started": ca.SX(1), "V": ca.vec(taught["V"]), "W": ca.vec(taught["W"]), "velocity": driven.nu}
         | {"speed": driven.speed.value, "yaw_rate": driven.yaw_rate.value}
-        | {"offset": _shifted(p, u, before)}
+        | {"offset": situation.shifted(p, u, before)}
         | {"link": linked.state, "turning": before["turning"], "broadcast": taught["broadcast"]}
     )
     y = stack(INTERFACE.names("output"), _outputs(p, u, taught, seen, driven, linked))
@@ -109,48 +96,7 @@ def _begun(p: Signals, u: Signals, state: Parts) -> Parts:
     return begun | {"V": ca.reshape(state["V"], *_V), "W": ca.reshape(begun["W"], *_W)}
 
 
-def _told(p: Signals, u: Signals, before: Parts) -> Parts:
-    """`before` with the newest broadcast; from the first one on the network only has to know what that leaves."""
-    told = broadcast.follow(p, u, before["broadcast"])
-    nu = broadcast.just_told(before["broadcast"], told)
-    heard = law.heard_leader(p, u, turning.STATES.split(before["turning"])["rate"])
-    y = ca.if_else(p["leader_frame"], nu, hand.rotation(heard.yaw_now - u["estimate.yaw"]) @ nu)
-    W = ca.vertcat(before["W"][0, :] - y.T, before["W"][1:, :])
-    return before | {"broadcast": told, "W": W, "velocity": before["velocity"] - nu}
-
-
-def _leader_speed(state: Parts) -> ca.SX:
-    """Forward speed of the leader as far as known [m/s]."""
-    return (state["velocity"] + broadcast.known(state["broadcast"]))[0]
-
-
-def _shifted(p: Signals, u: Signals, before: Parts) -> ca.SX:
-    """The wanted place one sample later; a far one is approached as gently as the follower is led back from afar."""
-    target, limits = sample.wanted_place(u), catch_up.gentle(p, _leader_speed(before))
-    duration = offset.unhurried(before["offset"], target, p["formation.duration"], *limits)
-    return offset.advance(before["offset"], target, p["sample_period"], duration)
-
-
-def _led_back(p: Signals, u: Signals, before: Parts, linked: link.Link) -> ca.SX:
-    """The state of the wanted offset, begun anew nearby when the follower is far from its place."""
-    away = hand.rotation(u["estimate.yaw"] - u["leader.yaw"]) @ _seen(p, u, before).z
-    led_back = catch_up.led_back(p, before["offset"], away, _leader_speed(before))
-    return ca.if_else(linked.heard, led_back, before["offset"])
-
-
-def _seen(p: Signals, u: Signals, before: Parts) -> _Seen:
-    r, r_rate, _ = offset.value(before["offset"])
-    place = r - ca.vertcat(p["headway"] * before["speed"], 0)
-    leader = law.heard_leader(p, u, turning.STATES.split(before["turning"])["rate"])
-    known = broadcast.known(before["broadcast"])
-    p_d = law.wanted_point(leader, place + ca.vertcat(p["hand.distance"], 0), before["velocity"] + known)
-    z = law.error(p, u, p_d)
-    relative = leader.yaw_now - u["estimate.yaw"]
-    R_rel = hand.rotation(relative)
-    return _Seen(place, z, law.network_input(u, z, relative), R_rel, R_rel @ (known + r_rate))
-
-
-def _taught(p: Signals, u: Signals, before: Parts, seen: _Seen, linked: link.Link) -> Parts:
+def _taught(p: Signals, u: Signals, before: Parts, seen: situation.Seen, linked: link.Link) -> Parts:
     """The weights after this sample; a limited channel and a leader not heard teach nothing."""
     tried = _drive(p, u, before, seen, linked)
     z = seen.z * (1 - p["freeze_limited"] * ca.vertcat(tried.speed.limited, tried.yaw_rate.limited))
@@ -160,7 +106,7 @@ def _taught(p: Signals, u: Signals, before: Parts, seen: _Seen, linked: link.Lin
     return {"V": ca.if_else(linked.heard, V, before["V"]), "W": ca.if_else(linked.heard, W, before["W"])}
 
 
-def _drive(p: Signals, u: Signals, state: Parts, seen: _Seen, linked: link.Link) -> _Driven:
+def _drive(p: Signals, u: Signals, state: Parts, seen: situation.Seen, linked: link.Link) -> _Driven:
     """What the weights in `state` lead to, after the commands in it."""
     y = state["W"].T @ network.activation(state["V"], seen.xbar).sigma
     nu = ca.if_else(p["leader_frame"], y, seen.R_rel.T @ y)
@@ -173,7 +119,7 @@ def _drive(p: Signals, u: Signals, state: Parts, seen: _Seen, linked: link.Link)
     return _Driven(nu, speed, realise.yaw_rate(p, state["yaw_rate"], turn, u["estimate.velocity.x"]))
 
 
-def _outputs(p: Signals, u: Signals, state: Parts, seen: _Seen, driven: _Driven, linked: link.Link) -> Parts:
+def _outputs(p: Signals, u: Signals, state: Parts, seen: situation.Seen, driven: _Driven, linked: link.Link) -> Parts:
     own = {
         "weights.norm": ca.sqrt(ca.sumsqr(state["W"])),
         "weights.hidden_norm": ca.sqrt(ca.sumsqr(state["V"])),
