@@ -113,6 +113,7 @@ def solve(A: ca.SX, b: ca.SX) -> ca.SX:
 def formation(edges: Iterable[tuple[int, int]], vehicles: int) -> ca.Function:
     """Joint rows of the offset constraints of a formation: (q, q', r, r', r'', none) -> (C, W, C', gamma).
 
+    For analysis: what one law for all vehicles would do; a follower solves for itself with the rows of `law`.
     edges: (follower, leader) pairs; q (3 vehicles) stacks the vehicles, r (2 edges) the offsets, C has 2 rows per edge.
     """
     pairs = tuple(edges)
@@ -125,6 +126,7 @@ def formation(edges: Iterable[tuple[int, int]], vehicles: int) -> ca.Function:
 def isolated(W: ca.SX, edges: Iterable[tuple[int, int]]) -> ca.SX:
     """W of `formation` without the columns of the leaders: to its followers a leader has infinite mass.
 
+    For analysis: the followers' law has the leader among its driven coordinates, which is the same.
     What is left are blocks of 2 x 3, one per follower, which each solves alone.
     """
     kept = ca.SX.zeros(*W.shape)

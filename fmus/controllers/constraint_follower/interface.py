@@ -25,7 +25,7 @@ def _own() -> list[Variable]:
     text = "row of the constraints, world axes, 0 while it is off"
     return [
         output("command.yaw_acceleration", "rad/s2", "yaw acceleration, the rate of command.yaw_rate"),
-        *group(output, "violation", ROWS, "m", f"C, {text}"),
+        *group(output, "violation", ROWS, "m", f"C, in metres, {text}"),
         *group(output, "multiplier", ROWS, "m/s2", f"lambda for unit mass, {text}"),
         output("constraint.residual", "m/s2", "acceleration that the constraints ask for and cannot have together"),
         output("constraint.deficiency", "1", "number of rows that depend on others or, at coincident points, vanish"),
