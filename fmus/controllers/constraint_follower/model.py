@@ -8,7 +8,7 @@ from fmukit.kernel import Kernel, Layout, Signals, sampled_kernel, stack, symbol
 from fmus.clip import clip
 from fmus.controllers.constraint_follower import commands, law, leader, places
 from fmus.controllers.constraint_follower.interface import INTERFACE, KINDS, ROWS
-from fmus.controllers.formation import hand, link, offset, realise
+from fmus.controllers.formation import hand, link, offset, realise, sample
 
 STATES = Layout(
     started=1,  # 0 before the first sample, which starts from the own motion
@@ -71,19 +71,19 @@ def _begun(p: Signals, u: Signals, state: Parts) -> Parts:
         "speed": own,
         "yaw_rate": turning,
         "command": ca.vertcat(ca.fmin(own, p["limit.speed"]), turning),
-        "offset": offset.start(_target(u)),
+        "offset": offset.start(sample.wanted_place(u)),
         "headway": ca.vertcat(p["headway"] * own, 0),
         "path": places.path_start(u),
         "link": link.start(own),
     }
-    return state | {name: ca.if_else(state["started"], state[name], value) for name, value in start.items()}
+    return sample.begun(state, start)
 
 
 def _shifting(p: Signals, u: Signals, state: ca.SX) -> ca.SX:
     """The wanted place one sample later."""
     limits = p["transition.speed"], p["transition.acceleration"]
-    duration = offset.unhurried(state, _target(u), p["formation.duration"], *limits)
-    return offset.advance(state, _target(u), p["sample_period"], duration)
+    duration = offset.unhurried(state, sample.wanted_place(u), p["formation.duration"], *limits)
+    return offset.advance(state, sample.wanted_place(u), p["sample_period"], duration)
 
 
 def _outputs(
@@ -97,14 +97,7 @@ def _outputs(
 ) -> Parts:
     rate = leader.rates(p, followed)
     values = {
-        "command.speed": driven.speed.value,
-        "command.acceleration": driven.speed.rate,
-        "command.yaw_rate": driven.yaw_rate.value,
         "command.yaw_acceleration": driven.yaw_rate.rate,
-        "command.steer_feedforward": realise.steering(p, u["estimate.velocity.x"], driven.yaw_rate.value),
-        "saturation.speed": driven.speed.limited,
-        "saturation.yaw_rate": driven.yaw_rate.limited,
-        "link.lost": 1 - linked.heard,
         "constraint.residual": ca.norm_2(asked.on * asked.multipliers.residual),
         "constraint.deficiency": ca.sum1(asked.on) - asked.rank,
         "constraint.none": _none(p),
@@ -112,13 +105,9 @@ def _outputs(
     }
     z = hand.rotation(u["estimate.yaw"]).T @ law.error(p, asked)
     pairs = {"error": z, "offset": place.place, "leader.acceleration": rate[:2]}
-    values |= {f"{name}.{axis}": pair[i] for name, pair in pairs.items() for i, axis in enumerate("xy")}
+    values |= sample.outputs(p, u, driven.speed, driven.yaw_rate, linked.heard) | sample.by_axis(pairs)
     values |= {f"violation.{row}": asked.on[i] * asked.C[i] for i, row in enumerate(ROWS)}
     return values | {f"multiplier.{row}": asked.multipliers.value[i] for i, row in enumerate(ROWS)}
-
-
-def _target(u: Signals) -> ca.SX:
-    return u.vector("formation", "xy")
 
 
 def _none(p: Signals) -> ca.SX:
