@@ -62,15 +62,17 @@ class Sampled:
         end = ceil((t + dt - origin) / period - _TOLERANCE)
         if end - index > _MOST:
             return TOO_LONG
-        if end - index == 1:
-            code = self._sample(self._address, self._seed, end, index * period)
-        else:
+        code = 0
+        if end > index + 1:
             code = self._several(index, end)
+        elif end > index:
+            code = self._sample(self._address, self._seed, end, index * period)
         if not code:
             self.index = max(self.index, end)
         return code
 
     def _several(self, index: int, end: int) -> int:
+        """Compute samples `index` to `end` - 1, or leave the instance as it was."""
         before = ctypes.string_at(self._address, self._size)
         for k in range(index, end):
             code = self._sample(self._address, self._seed, k + 1, k * self._period)
