@@ -25,19 +25,19 @@ class _Transfer(ctypes.Structure):
 class Plan:
     """The slots of one list of value references, all of one type."""
 
-    __slots__ = ("_kept", "_pack", "_pick", "_transfer", "_values", "slots", "where")
+    __slots__ = ("_description", "_kept", "_pack", "_pick", "_transfer", "_values", "slots", "where")
+
+    _pack: Callable[..., None]
+    _values: array[float]
+    _kept: tuple[object, ...]
 
     def __init__(self, description: Description, slots: list[int]) -> None:
-        ports, count = [description.ports[slot] for slot in slots], len(slots)
+        count = len(slots)
         self.slots = slots
         contiguous = bool(slots) and slots == list(range(slots[0], slots[0] + count))
         self.where = slice(slots[0], slots[0] + count) if contiguous else None
         self._pick = itemgetter(*slots) if count > 1 else None
-        self._pack, self._values = Struct(f"{count}d").pack_into, array("d", bytes(8 * count))
-        limits = (array("d", [port.low for port in ports]), array("d", [port.high for port in ports]))
-        memory = (self._values, *limits, array("q", slots))
-        transfer = _Transfer(*(part.buffer_info()[0] for part in memory), count)
-        self._kept, self._transfer = (memory, transfer), ctypes.addressof(transfer)
+        self._description, self._transfer = description, 0
 
     def read(self, buffer: array[float]) -> list[float]:
         """The values of the slots, in the order asked for."""
@@ -50,8 +50,19 @@ class Plan:
 
         `store` is the library's, `buffer` the address of the instance's.
         """
+        transfer = self._transfer or self._prepare()
         self._pack(self._values, 0, *values)
-        return store(buffer, self._transfer)
+        return store(buffer, transfer)
+
+    def _prepare(self) -> int:
+        """Lay out what the library is given; most plans are for getting only and never need it."""
+        ports, count = [self._description.ports[slot] for slot in self.slots], len(self.slots)
+        self._pack, self._values = Struct(f"{count}d").pack_into, array("d", bytes(8 * count))
+        limits = (array("d", [port.low for port in ports]), array("d", [port.high for port in ports]))
+        memory = (self._values, *limits, array("q", self.slots))
+        transfer = _Transfer(*(part.buffer_info()[0] for part in memory), count)
+        self._kept, self._transfer = (*memory, transfer), ctypes.addressof(transfer)
+        return self._transfer
 
 
 def plan(description: Description, vrs: Sequence[int], type_: str) -> Plan:
