@@ -196,7 +196,7 @@ def _follower(t: float) -> Values:
         **_group("estimate.velocity", ("x", "y"), SPEED - 0.5, 0.2),
         "estimate.yaw_rate": RATE + 0.01,
         **_group("formation", ("x", "y"), -12.0, 0.5),
-        **_group("feedforward", ("speed", "valid"), SPEED, 1.0),
+        "feedforward.speed": SPEED,
     }
 
 
