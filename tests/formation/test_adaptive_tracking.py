@@ -214,6 +214,16 @@ def test_a_far_new_place_is_approached_within_the_limits_and_the_follower_stays_
     assert run.distance().max() < 1.0
 
 
+def test_behind_a_slow_leader_a_place_moves_back_slowly_enough_to_wait_for_it():
+    """24 m back at 5 m/s: at half of that, for a follower cannot reverse."""
+    slow = {"speed": lambda t: 5.0, "yaw_rate": lambda t: 0.0, "lag": LAG, "r": (-12.0, 0.0)}
+    run = simulate(**slow, duration=35.0, inputs=lambda t: {"formation.x": -12.0 if t < 5 else -36.0})
+    assert np.diff(run.outputs["offset.x"]).min() / T == pytest.approx(-2.5, abs=0.05)
+    assert run.outputs["offset.x"][-1] == -36.0
+    assert not run.outputs["saturation.speed"].any()
+    assert run.distance().max() < 0.5
+
+
 @pytest.mark.parametrize("start", [(-60.0, 0.0), (40.0, 0.0), (-30.0, -25.0)])
 def test_from_afar_the_place_is_reached_without_overshoot(start):
     """Led there on a gentle course; rushing, the same car shoots past by many metres."""

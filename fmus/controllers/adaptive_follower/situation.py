@@ -42,7 +42,8 @@ def leader_speed(state: Parts) -> ca.SX:
 
 def shifted(p: Signals, u: Signals, before: Parts) -> ca.SX:
     """The wanted place one sample later; a far one is approached as gently as the follower is led back from afar."""
-    target, limits = sample.wanted_place(u), catch_up.gentle(p, leader_speed(before))
+    target = sample.wanted_place(u)
+    limits = catch_up.gentle(p, leader_speed(before), target - offset.value(before["offset"])[0])
     duration = offset.unhurried(before["offset"], target, p["formation.duration"], *limits)
     return offset.advance(before["offset"], target, p["sample_period"], duration)
 

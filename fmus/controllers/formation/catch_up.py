@@ -14,7 +14,7 @@ from fmukit.kernel import Signals
 from fmus.controllers.formation import offset
 
 _SHARE = 0.5  # of the acceleration and of the spare speed that leading back may take
-_SLOWEST = 1.0  # m/s; a leader at the speed limit is caught up with at least so fast
+_SLOWEST = 1.0  # m/s; at least so fast, also behind a leader at the speed limit or at rest
 _SMALLEST = 1e-12
 
 
@@ -29,13 +29,17 @@ def led_back(p: Signals, state: ca.SX, away: ca.SX, speed: ca.SX) -> ca.SX:
     beyond = 1 - p["catch_up.distance"] / distance
     begin = offset.value(state)[0] + beyond * away
     at_rest = {"begin_rate": ca.SX.zeros(2), "begin_acceleration": ca.SX.zeros(2), "elapsed": ca.SX(0)}
-    way = ca.norm_2(course["target"] - begin)
-    duration = ca.fmax(p["formation.duration"], offset.duration_within(way, *gentle(p, speed)))
+    way = course["target"] - begin
+    duration = ca.fmax(p["formation.duration"], offset.duration_within(ca.norm_2(way), *gentle(p, speed, way)))
     anew = offset.STATES.join(course | at_rest | {"begin": begin, "duration": duration})
     return ca.if_else(beyond > 0, anew, state)
 
 
-def gentle(p: Signals, speed: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """(speed [m/s], acceleration [m/s2]) of a moving place relative to a leader at `speed`: half of what is left."""
+def gentle(p: Signals, speed: ca.SX, way: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """(speed [m/s], acceleration [m/s2]) of a place that moves by `way` [m] (2) as seen by a leader at `speed`.
+
+    Half of what is left: forwards up to the limit, backwards down to a standstill.
+    """
     acceleration = _SHARE * ca.fmin(p["limit.acceleration"], p["limit.deceleration"])
-    return ca.fmax(_SHARE * (p["limit.speed"] - speed), _SLOWEST), acceleration
+    left = ca.if_else(way[0] < 0, speed, p["limit.speed"] - speed)
+    return ca.fmax(_SHARE * left, _SLOWEST), acceleration
