@@ -121,6 +121,7 @@ def test_the_head_tells_its_speed_to_all(tmp_path):
     _, results = short("formation-adaptive", tmp_path, LIGHT, ("scenario.feedforward", "on"))
     for k in (2, 3, 4):
         assert results[f"car{k}.broadcast.leader.velocity.x"][-1] == pytest.approx(20.0, abs=0.3)
+        assert np.abs(results[f"car{k}.follower.command.acceleration"]).max() < 2.0
 
 
 def test_a_broadcast_that_was_not_yet_heard_is_no_speed():
