@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import casadi as ca
 import constraint_loop as loop
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.optimize import curve_fit
+
+from fmus.controllers.constraint_follower import places
 
 PLACE = (-12.0, 3.0)
 
@@ -176,16 +180,28 @@ def test_headway_makes_the_distance_grow_with_the_speed() -> None:
 
 
 @pytest.mark.parametrize(("period", "w"), [(0.02, 2.0), (0.06, 20.0), (1.0, 2.0), (1.0, 20.0)])
-def test_the_headway_filter_is_exact_at_any_period(period: float, w: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A measured speed that steps by 2 m/s: d goes the way of the double pole on paper."""
+def test_the_headway_filter_is_exact_at_any_period(period: float, w: float) -> None:
+    """A speed that grows by 0.7 m/s2 in one period, against scipy's integration of the double pole."""
+    headway, v, dv, before = 0.8, 20.0, 0.7, np.array([15.0, 1.5])
+    p = {name: ca.SX(value) for name, value in (("headway", headway), ("headway.filter", w), ("sample_period", period))}
+    after = np.array(ca.DM(ca.evalf(places.pulled_back(p, ca.SX(before), ca.SX(v), ca.SX(dv))))).ravel()
+
+    def rates(t: float, d: np.ndarray) -> list[float]:
+        return [d[1], w**2 * (headway * (v + dv * t) - d[0]) - 2 * w * d[1]]
+
+    paper = solve_ivp(rates, (0.0, period), before, rtol=1e-10, atol=1e-12).y[:, -1]
+    assert after == pytest.approx(paper, rel=1e-7)
+    held, yielding = (float(ca.evalf(part)) for part in places.acceleration(p, ca.SX(before), ca.SX(v)))
+    assert held + yielding * dv == pytest.approx((paper[1] - before[1]) / period, rel=1e-6)
+
+
+@pytest.mark.parametrize(("period", "w"), [(0.02, 2.0), (0.02, 20.0), (0.06, 20.0), (0.2, 4.0)])
+def test_headway_is_calm_at_any_bandwidth_and_period(period: float, w: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The place falls back with v' itself: a loop of pole w (2 + headway w), closed within the sample."""
     monkeypatch.setattr(loop, "T", period)
-    given = {"windup__speed": 0.1, "link__hold": 1e3}
-    follower, rows, jump = loop.Follower(sample_period=period, headway=1.0, headway__filter=w, **given), [], 10
-    for k in range(80):
-        own = np.array([0.0, 0.0, 0.0, 20.0 if k < jump else 22.0, 0.0, 0.0])
-        y = follower.step({"leader.valid": 0.0, "leader.age": k * period} | loop.estimate(own))
-        rows.append(-y["offset.x"])
-    t = period * np.arange(80 - jump)
-    held = 22.0 - 0.1  # without a leader to follow, the integral is drawn to within windup.speed
-    assert rows[:jump] == pytest.approx([20.0] * jump, abs=1e-9)
-    assert rows[jump:] == pytest.approx(20.0 + (held - 20.0) * (1.0 - (1.0 + w * t) * np.exp(-w * t)), abs=1e-9)
+    leader = loop.along_x(lambda t: 20.0 if t < 5.0 else min(20.0 + t - 5.0, 28.0), 50.0)
+    given = {"headway": 1.0, "headway__filter": w, "sample_period": period}
+    r = loop.run(leader, (-30.0, 0.0, 0.0, 20.0, 0.0), (-10.0, 0.0), 40.0, **given)
+    assert r.leader[-1, 0] - r.own[-1, 0] == pytest.approx(38.0, abs=0.01)
+    assert r["command.acceleration"].min() > -0.01
+    assert r["command.acceleration"].max() < 1.01

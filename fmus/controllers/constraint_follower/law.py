@@ -48,10 +48,11 @@ def own(p: Signals, u: Signals, speed: ca.SX, yaw_rate: ca.SX) -> Own:
     return Own(ca.vertcat(h, yaw), rate, ca.vertcat(speed, velocity[1]), yaw_rate)
 
 
-def ask(p: Signals, me: Own, leader: Motion, place: Motion, path: Motion, heard: ca.SX) -> Asked:
+def ask(p: Signals, me: Own, leader: Motion, place: Motion, path: Motion, yielding: ca.SX, heard: ca.SX) -> Asked:
     """The accelerations that the constraints switched on ask for.
 
     `place` is the wanted offset of O1 (2) with derivatives; those to the leader are off while it is not heard.
+    It moves back by `yielding` more for each m/s2 of v' [1], and its column in W B with it.
     """
     a = p["hand.distance"]
     s, ds, dds = (ca.vertcat(*parts) for parts in zip(leader, place, path, strict=True))
@@ -64,8 +65,10 @@ def ask(p: Signals, me: Own, leader: Motion, place: Motion, path: Motion, heard:
     n, B = constraints.drift(me.q[2], me.velocity, me.yaw_rate, a), constraints.directions(me.q[2], a)
     tied = ca.sum1(on[:3]) + on[5] > 0
     tau = tied * _along_with(me, leader, n, a, damping)
-    G = ca.diag(scale) @ W @ B
-    b = scale * (W @ (B @ tau + n) + gamma + damping * rate) + correction
+    still = ca.SX.zeros(s.numel())
+    falling = follower_rows()(me.q, ca.SX.zeros(3), s, still, ca.vertcat(still[:3], 1, still[4:]), a)[3]
+    G = ca.diag(scale) @ (W @ B - yielding * falling @ ca.SX([[1, 0]]))
+    b = scale * (W @ n + gamma + damping * rate) + G @ tau + correction
     found = constraints.multipliers(G, b)
     wanted = tau - G.T @ found.value
     return Asked(wanted[0], wanted[1] / a, length * C, found, on, constraints.rank(G))

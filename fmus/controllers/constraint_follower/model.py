@@ -45,17 +45,19 @@ def _step() -> ca.Function:
     linked = link.supervise(p, u, before["link"], ca.fmax(u["leader.velocity.x"], 0))
     followed = leader.follow(p, u, before["leader"], linked.heard)
     integrals = commands.near(p, u, commands.Pair(before["speed"], before["yaw_rate"]))
-    back = places.pulled_back(p, before["headway"], integrals.speed)
-    place = places.place(before["offset"], before["headway"], places.acceleration(p, before["headway"], back))
+    back, yielding = places.acceleration(p, before["headway"], integrals.speed)
+    place = places.place(before["offset"], before["headway"], back)
     me = law.own(p, u, *integrals)
-    asked = law.ask(p, me, leader.motion(p, followed), place, places.path(p, u, before["path"]), linked.heard)
+    others = leader.motion(p, followed), place, places.path(p, u, before["path"])
+    asked = law.ask(p, me, *others, yielding, linked.heard)
     alone = ca.logic_and(linked.heard < 0.5, ca.sum1(asked.on) < 0.5)
     last = commands.Pair(*ca.vertsplit(before["command"]))
     driven = commands.command(p, u, asked, linked, alone, integrals, last)
+    gained = (driven.integrals.speed - integrals.speed) / p["sample_period"]
     after = STATES.join(
         {"started": ca.SX(1), "command": ca.vertcat(driven.speed.value, driven.yaw_rate.value)}
         | driven.integrals._asdict()
-        | {"offset": shift, "headway": back}
+        | {"offset": shift, "headway": places.pulled_back(p, before["headway"], integrals.speed, gained)}
         | {"path": places.path_state(p, u, before["path"]), "link": linked.state, "leader": followed}
     )
     y = stack(INTERFACE.names("output"), _outputs(p, u, driven, asked, linked, place, followed))

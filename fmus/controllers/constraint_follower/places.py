@@ -27,22 +27,30 @@ def place(shift: ca.SX, headway: ca.SX, back_acceleration: ca.SX) -> Motion:
     return Motion(*(r - ca.vertcat(b, 0) for r, b in zip(offset.value(shift), behind, strict=True)))
 
 
-def pulled_back(p: Signals, headway: ca.SX, speed: ca.SX) -> ca.SX:
-    """The headway state one period later by d'' + 2 w d' + w^2 d = w^2 headway v, exact for a speed that stays.
+def pulled_back(p: Signals, headway: ca.SX, speed: ca.SX, acceleration: ca.SX) -> ca.SX:
+    """The headway state one period later by d'' + 2 w d' + w^2 d = w^2 headway v, exact for a steady v'.
 
-    A place that has all its derivatives. With e = d - headway v:
+    A place that has all its derivatives. With e = d - headway v, for a steady v,
     (e, d') after T = exp(-w T) [1 + w T, T; -w^2 T, 1 - w T] (e, d') before.
     """
     w, T, d = p["headway.filter"], p["sample_period"], HEADWAY.split(headway)
-    end = p["headway"] * speed
+    end, gained = p["headway"] * speed, p["headway"] * acceleration
     e, rate, decay = d["back"] - end, d["rate"], ca.exp(-w * T)
-    back = end + decay * ((1 + w * T) * e + T * rate)
-    return HEADWAY.join({"back": back, "rate": decay * ((1 - w * T) * rate - w**2 * T * e)})
+    back = end + decay * ((1 + w * T) * e + T * rate) + gained * (T * (1 + decay) - 2 / w * (1 - decay))
+    return HEADWAY.join({"back": back, "rate": decay * ((1 - w * T) * rate - w**2 * T * e) + gained * _share(p)})
 
 
-def acceleration(p: Signals, before: ca.SX, after: ca.SX) -> ca.SX:
-    """d'' [m/s2] between two headway states a period apart, the mean."""
-    return (HEADWAY.split(after)["rate"] - HEADWAY.split(before)["rate"]) / p["sample_period"]
+def acceleration(p: Signals, headway: ca.SX, speed: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """(mean d'' [m/s2] of the period that begins at a steady v, what each m/s2 of v' adds to it)."""
+    later = HEADWAY.split(pulled_back(p, headway, speed, ca.SX(0)))
+    T = p["sample_period"]
+    return (later["rate"] - HEADWAY.split(headway)["rate"]) / T, p["headway"] * _share(p) / T
+
+
+def _share(p: Signals) -> ca.SX:
+    """Of a step the double pole w lets through after a period."""
+    w, T = p["headway.filter"], p["sample_period"]
+    return 1 - (1 + w * T) * ca.exp(-w * T)
 
 
 def path(p: Signals, u: Signals, state: ca.SX) -> Motion:
