@@ -27,7 +27,13 @@ _UNITS = {
     **{"optimum_time": "s", "planned_ahead_": "s", "joint_position_": "m", "joint_speed_": "m/s"},
     **{"residual_force": "N", "residual_moment": "N.m"},
     **dict.fromkeys(("formation_error_", "place_error_", "change_error_", "push_error_"), "m"),
-    **{"settling_": "s", "acceleration_": "m/s2", "lateral_acceleration_": "m/s2"},
+    **{
+        "settling_": "s",
+        "led_back_": "s",
+        "speed_ratio_": "",
+        "acceleration_": "m/s2",
+        "lateral_acceleration_": "m/s2",
+    },
 }
 """Units of metrics by how their names begin, the longest that fits, after the name of a car (`car2.settling_time`)."""
 _CAR = re.compile(r"car\d+\.")

@@ -14,6 +14,7 @@ Errors are taken at the instants at which the follower computed.
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -21,6 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cosim.results import Results
+from cosim.scenarios._formation_course import course, jumps, wanted
 from cosim.scenarios._tracking_metrics import peak, rms
 from cosim.slave import Vector
 
@@ -30,17 +32,19 @@ DURATION = 6.0
 """Start value of their `formation.duration` [s]."""
 SETTLED = 0.3
 """A change of formation is over when the hand point stays this near [m] to its new place (engineering choice)."""
+_LOG = logging.getLogger("cosim")
 
 
 @dataclass(frozen=True, slots=True)
 class Errors:
     """Of one follower at its instants: z (n, 2) [m] of the hand point, of O1, and `place`, that of the hand point to
-    the place commanded, which a change of formation moves at once."""
+    the place commanded, which a change of formation moves at once; `led_back` where (n,) it led itself back."""
 
     time: Vector
     hand: Vector
     position: Vector
     place: Vector
+    led_back: np.ndarray
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,12 +75,15 @@ def formation_metrics(
 
 _NAMES = (
     *("formation_error_rms", "formation_error_max", "position_error_rms", "position_error_max"),
-    *("place_error_max", "settling_time", "change_error_max", "acceleration_rms", "lateral_acceleration_rms"),
+    *("place_error_rms", "place_error_max", "led_back_time"),
+    *("settling_time", "change_error_max", "acceleration_rms", "lateral_acceleration_rms"),
 )
 
 
 def _of_follower(results: Results, car: int, leader: int, begin: float, changes_until: float) -> dict[str, float]:
     e = follower_errors(results, car, leader)
+    if len(e.time) < 2:
+        return dict.fromkeys(_NAMES, math.nan)
     late = e.time >= begin
     controlled, position = (np.linalg.norm(z[late], axis=1) for z in (e.hand, e.position))
     command = commanded(results, car)
@@ -84,7 +91,8 @@ def _of_follower(results: Results, car: int, leader: int, begin: float, changes_
     there = late & settled_command(e.time, command, _told(results, car, "formation.duration", DURATION))
     values = (
         *(rms(controlled), peak(controlled), rms(position), peak(position)),
-        peak(np.linalg.norm(e.place[there], axis=1)),
+        *(measure(np.linalg.norm(e.place[there], axis=1)) for measure in (rms, peak)),
+        np.count_nonzero(e.led_back & late) * float(e.time[1] - e.time[0]),
         *(_worst([c.settling for c in changes], unknown=True), _worst([c.error for c in changes])),
         *(rms(values[late]) for values in efforts(results, car)),
     )
@@ -96,14 +104,29 @@ def follower_errors(results: Results, car: int, leader: int) -> Errors:
     hand, headway = _told(results, car, "hand.distance", HAND), _told(results, car, "headway", 0.0)
     rows = results.instants(f"car{car}.follower")
     own, ahead = pose(results, car, rows), pose(results, leader, rows)
-    wanted = offsets(results, car)
-    place = commanded(results, car) - headway * np.stack((_speed(results, car, rows), 0 * rows), -1)
+    time, speed, command = results.time[rows], _speed(results, car, rows), commanded(results, car)
+    moving = course(time, command, _told(results, car, "formation.duration", DURATION))
+    offset, led_back = wanted(time, offsets(results, car), moving, speed, headway)
+    place = command - headway * np.stack((speed, 0 * speed), -1)
     return Errors(
-        time=results.time[rows],
-        hand=error(own, ahead, wanted, hand),
-        position=error(own, ahead, wanted, 0.0),
+        time=time,
+        hand=error(own, ahead, offset, hand),
+        position=error(own, ahead, offset, 0.0),
         place=error(own, ahead, place, hand),
+        led_back=led_back,
     )
+
+
+def warn_of_few_rows(results: Results, cars: Mapping[int, int]) -> None:
+    """Say so when rows are recorded less often than the followers compute: what happens between them is not seen."""
+    if not cars:
+        return
+    follower = f"car{min(cars)}.follower"
+    rows, period = results.instants(follower), results.periods[follower]
+    every = float(np.diff(results.time[rows]).max()) if len(rows) > 1 else math.inf
+    if every > 1.5 * period:
+        seen = f"every {every:g} s" if len(rows) > 1 else "once"
+        _LOG.warning("the metrics see followers %s only: record every %g s for ones that miss nothing", seen, period)
 
 
 def error(own: Vector, leader: Vector, offset: Vector, hand: float) -> Vector:
@@ -138,24 +161,19 @@ def commanded(results: Results, car: int) -> Vector:
 def formation_changes(e: Errors, command: Vector, settled: float = SETTLED, until: float = math.inf) -> list[Change]:
     """The changes of formation that `command` (n, 2) makes up to `until` [s], each up to the next."""
     last = int(np.searchsorted(e.time, until))
-    jumps = _jumps(command[:last])
-    ends = [*jumps[1:], last]
+    begins = jumps(command[:last])
+    ends = [*begins[1:], last]
     far, size = np.linalg.norm(e.place, axis=1), np.linalg.norm(e.hand, axis=1)
     return [
         Change(float(e.time[i]), settling(e.time[i:j], far[i:j], settled), peak(size[i:j]))
-        for i, j in zip(jumps, ends, strict=False)  # no jump, no change
+        for i, j in zip(begins, ends, strict=False)  # no jump, no change
     ]
 
 
 def settled_command(time: Vector, command: Vector, duration: float) -> np.ndarray:
     """Where (n,) the last change of `command` (n, 2) is `duration` [s] ago, or there was none."""
-    begins = time[_jumps(command)][:, None]
+    begins = time[jumps(command)][:, None]
     return ~np.any((begins <= time) & (time < begins + duration), axis=0)
-
-
-def _jumps(command: Vector) -> np.ndarray:
-    """The rows at which it is another than before."""
-    return np.flatnonzero(np.any(np.diff(command, axis=0) != 0.0, axis=1)) + 1
 
 
 def settling(time: Vector, error: Vector, threshold: float) -> float:

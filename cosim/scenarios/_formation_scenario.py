@@ -12,7 +12,7 @@ from cosim.scenarios._catalogue import fmu_path
 from cosim.scenarios._distances import distance_metrics
 from cosim.scenarios._formation import HEAD, PLANTS, Cars, Law, change_of_shape, formation, name
 from cosim.scenarios._formation_leads import tell_the_leads
-from cosim.scenarios._formation_metrics import follower_errors, formation_metrics
+from cosim.scenarios._formation_metrics import follower_errors, formation_metrics, warn_of_few_rows
 from cosim.scenarios._formation_start import start_in_formation
 from cosim.scenarios._sensors import SETTINGS
 from cosim.scenarios._string_stability import ratio_metrics
@@ -106,6 +106,7 @@ def _spacing(settings: Settings) -> Spacing:
 def metrics(results: Results) -> dict[str, float]:
     """How well every follower kept its place, how near cars came, and in a row whether errors grow from car to car."""
     follows = leaders(results.settings)
+    warn_of_few_rows(results, follows)
     found = {**formation_metrics(results, follows), **distance_metrics(results, (HEAD, *follows))}
     if results.settings["topology"] in _IN_A_ROW:
         found |= ratio_metrics({k: follower_errors(results, k, leader).hand for k, leader in follows.items()})

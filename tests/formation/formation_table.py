@@ -20,7 +20,8 @@ def drive(
 ) -> Results:
     """Cars with poses x, y, yaw (n, 3) every 20 ms; `offsets` of the followers, constant unless `columns` say else.
 
-    `parameters` are those of all followers. Columns have two underscores for a dot: `car2__follower__formation__x`.
+    They were commanded from the beginning. `parameters` are those of all followers. Columns have two underscores for a
+    dot: `car2__follower__formation__x`.
     """
     n = len(next(iter(poses.values())))
     table = {"time": STEP * np.arange(n)}
@@ -32,5 +33,8 @@ def drive(
         table |= {f"car{car}.follower.offset.{axis}": np.full(n, offset[i]) for i, axis in enumerate("xy")}
         table |= {f"car{car}.follower.command.acceleration": np.zeros(n)}
     table |= {name.replace("__", "."): column for name, column in columns.items()}
-    followers = [f"car{car}.follower" for car in offsets]
-    return Results(pa.table(table), dict.fromkeys(followers, STEP), None, dict.fromkeys(followers, parameters or {}))
+    told = {
+        f"car{car}.follower": {"formation.x": offset[0], "formation.y": offset[1], **(parameters or {})}
+        for car, offset in offsets.items()
+    }
+    return Results(pa.table(table), dict.fromkeys(told, STEP), None, told)

@@ -6,10 +6,13 @@ import math
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
 import pytest
 from formation_table import STEP, drive
 
 from cosim import display
+from cosim.results import Results
+from cosim.scenarios import _formation_course
 from cosim.scenarios import _formation_metrics as metrics
 from cosim.scenarios._distances import Body, distance_metrics, smallest_distance
 from fmukit.interface import load_parameters
@@ -23,6 +26,17 @@ CAR = Body(2.0, 2.3, 1.68)
 def circle(radius: float, speed: float, phase: float) -> np.ndarray:
     angle = phase + speed / radius * TIME
     return np.column_stack((radius * np.sin(angle), -radius * np.cos(angle), angle))
+
+
+def quintic(r0: float, r1: float, begin: float, duration: float) -> np.ndarray:
+    """From rest to rest, by its closed form."""
+    tau = np.clip((TIME - begin) / duration, 0.0, 1.0)
+    return np.asarray(r0 + (r1 - r0) * tau**3 * (10 - 15 * tau + 6 * tau**2))
+
+
+def straight(gap: np.ndarray | float) -> dict[int, np.ndarray]:
+    leader = np.column_stack((20.0 * TIME, 0 * TIME, 0 * TIME))
+    return {1: leader, 2: leader + np.column_stack((gap + 0 * TIME, 0 * TIME, 0 * TIME))}
 
 
 def random_poses(seed: int) -> np.ndarray:
@@ -65,16 +79,16 @@ def test_root_mean_square_largest_and_worst() -> None:
 
 
 def test_settling_of_an_exponential_and_the_largest_error_of_each_change() -> None:
-    """The place jumps by 5 m, the distance to it decays with 1 s: 0.3 m after ln(5/0.3) s."""
+    """The place jumps by 5 m, and the follower moves there on the quintic: 0.3 m are left when that has 0.06 left."""
     jump = np.where(TIME >= 4.0, -17.0, -12.0)
-    gap = np.where(TIME >= 4.0, -17.0 + 5.0 * np.exp(-(TIME - 4.0)), -12.0)
+    gap = quintic(-12.0, -17.0, 4.0, 6.0)
     leader = np.column_stack((20.0 * TIME, 0 * TIME, 0 * TIME))
     own = leader + np.column_stack((gap, 0 * TIME, 0 * TIME))
     late = 0.2 * (np.abs(TIME - 6.0) < 0.01)
     columns = {"car2__follower__formation__x": jump, "car2__follower__offset__x": gap - late}
     results = drive({1: leader, 2: own}, {2: (-12.0, 0.0)}, **columns)
     found = metrics.formation_metrics(results, {2: 1})
-    assert found["car2.settling_time"] == pytest.approx(math.log(5 / 0.3), abs=STEP)
+    assert found["car2.settling_time"] == pytest.approx(6.0 * 0.7973, abs=STEP)
     assert found["change_error_max"] == pytest.approx(0.2)
 
 
@@ -90,21 +104,84 @@ def test_a_place_never_reached_has_no_settling_time_and_headway_is_part_of_the_p
         assert math.isnan(metrics.formation_metrics(results, {2: 1})["settling_time"]) == unknown
 
 
-def test_a_follower_that_leads_itself_back_is_far_from_its_place_though_it_has_no_error() -> None:
+def test_a_follower_that_leads_itself_back_has_the_error_from_where_it_was_commanded() -> None:
     """It is commanded 17 m behind from 4 s on, is there at 10 s, and drops back by 30 m for a while at 15 s."""
-    leader = np.column_stack((20.0 * TIME, 0 * TIME, 0 * TIME))
-    offset = np.interp(TIME, [4.0, 10.0, 14.0, 15.0, 16.0], [-12.0, -17.0, -17.0, -47.0, -17.0])
-    own = leader + np.column_stack((offset, 0 * TIME, 0 * TIME))
+    back = np.interp(TIME, [14.0, 15.0, 16.0], [0.0, -30.0, 0.0])
+    offset = quintic(-12.0, -17.0, 4.0, 6.0) + back
     jump = np.where(TIME >= 4.0, -17.0, -12.0)
     columns = {"car2__follower__formation__x": jump, "car2__follower__offset__x": offset}
-    found = metrics.formation_metrics(drive({1: leader, 2: own}, {2: (0.0, 0.0)}, **columns), {2: 1})
-    assert found["formation_error_max"] < 1e-9
+    found = metrics.formation_metrics(drive(straight(offset), {2: (-12.0, 0.0)}, **columns), {2: 1})
+    assert found["formation_error_max"] == pytest.approx(30.0)
     assert found["place_error_max"] == pytest.approx(30.0)
-    calm = metrics.formation_metrics(drive({1: leader, 2: leader - [12.0, 0.0, 0.0]}, {2: (-12.0, 0.0)}), {2: 1})
-    assert calm["place_error_max"] == 12.0  # it was never told where to be, so beside its leader
-    told = {"formation.x": "-12", "formation.y": 0.0}
-    calm = metrics.formation_metrics(drive({1: leader, 2: leader - [12.0, 0.0, 0.0]}, {2: (-12.0, 0.0)}, told), {2: 1})
-    assert calm["place_error_max"] < 1e-9
+    calm = (TIME < 4.0) | (TIME >= 10.0)
+    assert found["place_error_rms"] == pytest.approx(math.sqrt(np.mean(back[calm] ** 2)), rel=1e-2)
+    assert found["led_back_time"] == pytest.approx(2.0 * 29 / 30, abs=2 * STEP)
+
+
+def test_a_follower_never_told_where_to_be_is_wanted_beside_its_leader() -> None:
+    told = {"formation.x": "0"}
+    found = metrics.formation_metrics(drive(straight(-12.0), {2: (-12.0, 0.0)}, told), {2: 1})
+    assert found["place_error_max"] == found["formation_error_max"] == 12.0
+
+
+@pytest.mark.parametrize("late", [0.0, 0.3])
+def test_a_follower_that_only_smooths_what_it_is_told_is_not_led_back(late: float) -> None:
+    """Also where a second change begins on the way; its error is then that to the course it gives."""
+    jump = np.select([TIME >= 7.0, TIME >= 4.0], [-14.0, -17.0], -12.0)
+    course = _formation_course.course(TIME, np.column_stack((jump, 0 * jump)), 6.0)[:, 0]
+    given = np.interp(TIME - STEP, TIME, course)
+    columns = {"car2__follower__formation__x": jump, "car2__follower__offset__x": given}
+    found = metrics.formation_metrics(drive(straight(given - late), {2: (-12.0, 0.0)}, **columns), {2: 1})
+    assert found["led_back_time"] == 0.0
+    assert found["formation_error_max"] == pytest.approx(late, abs=1e-9)
+    assert found["place_error_rms"] == pytest.approx(late, abs=0.02)
+
+
+def test_the_course_commanded_is_smooth_and_ends_where_it_is_told() -> None:
+    """From rest the closed form, begun anew on the way without a jump up to the second derivative."""
+    jump = np.select([TIME >= 7.0, TIME >= 4.0], [-14.0, -17.0], -12.0)
+    found = _formation_course.course(TIME, np.column_stack((jump, 2 * jump)), 6.0)
+    np.testing.assert_allclose(found[:, 1], 2 * found[:, 0], rtol=1e-12)
+    first = TIME < 7.0
+    np.testing.assert_allclose(found[first, 0], quintic(-12.0, -17.0, 4.0, 6.0)[first], atol=1e-9)
+    acceleration = np.diff(found[:, 0], 2) / STEP**2
+    assert np.abs(np.diff(acceleration)).max() < 0.06
+    assert np.abs(acceleration[(TIME[1:-1] > 6.9) & (TIME[1:-1] < 7.1)]).max() < 0.3
+    np.testing.assert_allclose(found[TIME >= 13.0, 0], -14.0, atol=1e-9)
+
+
+@pytest.mark.parametrize(("further", "led_back"), [(0.0, 0.0), (12.0, (N - 1) * STEP)])
+def test_headway_is_that_of_a_speed_the_follower_may_take_for_its_own(further: float, led_back: float) -> None:
+    """Braking with 5 m/s2, seen 0.3 s late: 1.5 m from the place at the true speed, and still the follower's course."""
+    speed, seen = (np.clip(30.0 - 5.0 * (TIME - begin), 10.0, 30.0) for begin in (5.0, 5.3))
+    given = -12.0 - further - seen
+    columns = {"car2__plant__velocity__x": speed, "car2__follower__offset__x": given}
+    found = metrics.formation_metrics(drive(straight(given), {2: (-12.0, 0.0)}, {"headway": 1.0}, **columns), {2: 1})
+    assert found["led_back_time"] == pytest.approx(led_back)
+    assert found["formation_error_max"] == pytest.approx(0.0 if not further else 13.5, abs=0.05)
+
+
+def test_before_its_first_output_a_follower_is_wanted_where_it_was_commanded() -> None:
+    """As with Jacobi's scheme, where outputs come one step late."""
+    offset = np.where(TIME < 0.01, 0.0, -12.0)
+    results = drive(straight(-12.0), {2: (-12.0, 0.0)}, car2__follower__offset__x=offset)
+    found = metrics.formation_metrics(results, {2: 1})
+    assert found["formation_error_max"] < 1e-9
+    assert found["led_back_time"] == 0.0
+
+
+@pytest.mark.parametrize(("every", "unknown", "said"), [(500, True, "once"), (5, False, "every 0.1 s"), (1, False, "")])
+def test_rows_too_far_apart_are_said_or_give_no_figures(
+    every: int, unknown: bool, said: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    full = drive(straight(-12.0), {2: (-12.0, 0.0)})
+    table = pa.table(
+        {name: (full.time if name == "time" else full[name])[:501:every] for name in ("time", *full.names)}
+    )
+    results = Results(table, full.periods, None, full.parameters)
+    assert math.isnan(metrics.formation_metrics(results, {2: 1})["formation_error_max"]) == unknown
+    metrics.warn_of_few_rows(results, {2: 1})
+    assert [said in record.getMessage() for record in caplog.records] == [True] * (every > 1)
 
 
 def test_without_followers_everything_is_unknown() -> None:
@@ -180,6 +257,8 @@ def test_what_is_assumed_of_followers_is_their_start_value() -> None:
         ("car2.lateral_acceleration_rms", "m/s2"),
         ("car2.lateral_error_max", "m"),
         ("car3.settling_time", "s"),
+        ("car3.led_back_time", "s"),
+        ("car2.speed_ratio_max", ""),
         ("string_gain_max", ""),
         ("car3.string_ratio_max", ""),
         ("collision", ""),
