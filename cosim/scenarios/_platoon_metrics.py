@@ -12,13 +12,15 @@ from cosim.scenarios import _platoon
 from cosim.scenarios._distances import distance_metrics
 from cosim.scenarios._excitation import LINES, PERIOD
 from cosim.scenarios._formation import HEAD
-from cosim.scenarios._formation_metrics import Errors, follower_errors, formation_metrics
+from cosim.scenarios._formation_metrics import Errors, follower_errors, formation_metrics, warn_of_few_rows
 from cosim.scenarios._formation_scenario import leaders
-from cosim.scenarios._string_stability import gain_metrics, ratio_metrics
+from cosim.scenarios._platoon_row import SPEED
+from cosim.scenarios._string_stability import gain_metrics, ratio_metrics, speed_ratios
 from cosim.scenarios._tracking_metrics import peak
 from cosim.slave import Vector
 
 _INSTANT = 1e-6  # s
+_OFTEN = 8  # samples in a period of the fastest line
 
 
 def platoon_metrics(results: Results) -> dict[str, float]:
@@ -27,6 +29,7 @@ def platoon_metrics(results: Results) -> dict[str, float]:
     NaN where a run ended before what is measured was over.
     """
     follows = leaders(results.settings)
+    warn_of_few_rows(results, follows)
     errors = {k: follower_errors(results, k, leader) for k, leader in follows.items()}
     return {
         **formation_metrics(results, follows, changes_until=_platoon.span(results.settings, "merge")[1]),
@@ -56,9 +59,11 @@ def _pushed(results: Results, errors: Mapping[int, Errors]) -> dict[str, float]:
 def _ratios(results: Results, errors: Mapping[int, Errors]) -> dict[str, float]:
     if not _platoon.happens(results.settings, "braking"):
         return {}
-    return ratio_metrics(
-        {k: during(results, e, *_platoon.span(results.settings, "braking")) for k, e in errors.items()}
-    )
+    begin, end = _platoon.span(results.settings, "braking")
+    rows = (results.time >= begin - _INSTANT) & (results.time < end - _INSTANT) & _over(results, end)
+    speeds = {k: results[f"car{k}.plant.velocity.x"][rows] - SPEED for k in (HEAD, *errors)}
+    found = ratio_metrics({k: during(results, e, begin, end) for k, e in errors.items()})
+    return {**found, **speed_ratios(speeds)}
 
 
 def response_ratios(results: Results, quiet: Results) -> dict[str, float]:
@@ -77,14 +82,24 @@ def response_ratios(results: Results, quiet: Results) -> dict[str, float]:
 
 
 def _gains(results: Results, errors: Mapping[int, Errors]) -> dict[str, float]:
-    """Amplification by frequency: of speeds from car 2 on, of errors from car 3 on."""
-    if not _platoon.happens(results.settings, "sweep") or not _over(results, _platoon.END):
+    """Amplification by frequency: of speeds from car 2 on, of errors from car 3 on; NaN where the rows are too few or
+    do not fill the periods evenly."""
+    if not _platoon.happens(results.settings, "sweep"):
         return {}
-    late = {k: during(results, e, _platoon.SETTLED, _platoon.END)[:, 0] for k, e in errors.items()}
+    periods = round((_platoon.END - _platoon.SETTLED) / PERIOD)
     rows = results.instants(f"car{max(errors)}.follower") if errors else np.zeros(0, int)
     rows = rows[results.time[rows] >= _platoon.SETTLED - _INSTANT]
-    speeds = {k: np.asarray(results[f"car{k}.plant.velocity.x"][rows]) for k in (HEAD, *errors) if len(rows)}
-    return gain_metrics(late, speeds, LINES, round((_platoon.END - _platoon.SETTLED) / PERIOD))
+    if not _over(results, _platoon.END) or not _even(results.time[rows], periods * PERIOD):
+        return gain_metrics({}, {}, LINES, periods)
+    late = {k: during(results, e, _platoon.SETTLED, _platoon.END)[:, 0] for k, e in errors.items()}
+    speeds = {k: np.asarray(results[f"car{k}.plant.velocity.x"][rows]) for k in (HEAD, *errors)}
+    return gain_metrics(late, speeds, LINES, periods)
+
+
+def _even(time: Vector, span: float) -> bool:
+    """Whether times (n,) are even, often enough for the fastest line, and would begin anew after `span` [s]."""
+    steps = np.diff(time, append=time[0] + span) if len(time) else np.zeros(1)
+    return bool(len(time) >= _OFTEN * max(LINES) * span / PERIOD and np.ptp(steps) < _INSTANT)
 
 
 def during(results: Results, e: Errors, begin: float, end: float) -> Vector:

@@ -9,7 +9,8 @@ the ratios say how alike they respond). z is the error of the hand point at the 
 In a chain of equal followers that know nothing but the car ahead, both quotients are the same function; that of the
 speeds v, which are true states, is far less noisy. Once all are told the head's speed, the errors are what counts.
 
-A ratio of errors that are sensor noise means nothing: it is NaN unless the error ahead exceeds `FLOOR`.
+A ratio of errors that are sensor noise means nothing: it is NaN where neither exceeds `FLOOR`. Where only the own error
+does, that of the car ahead is taken for `FLOOR`, so the ratio is at least what is said.
 
 Gamma is the quotient of Fourier coefficients at the lines of a multi-sine, over whole periods after the start has died
 out. The signal is periodic and all lines fit the window, so there is no leakage and no window function, and a
@@ -31,6 +32,8 @@ from cosim.slave import Vector
 FLOOR = 0.2
 """Largest error [m] of the car ahead from which on a ratio means something: receiver, filter and radio leave about 5 cm
 (root mean square) of a follower at rest in its place."""
+SPEED_FLOOR = 0.5
+"""The same of speeds [m/s]."""
 CLEAR = 10.0
 
 
@@ -49,15 +52,34 @@ def ratio_metrics(errors: Mapping[int, Vector], floor: float = FLOOR) -> dict[st
             }
             for name, (greatest, mean) in ratios.items():
                 metrics |= {f"car{car}.{name}_max": greatest, f"car{car}.{name}_rms": mean}
-    return {**_worst(metrics), **metrics}
+    names = [f"{name}_{kind}" for name in ("string_ratio", "string_ratio_norm") for kind in ("max", "rms")]
+    return {**dict.fromkeys(names, math.nan), **_worst(metrics), **metrics}
+
+
+def speed_ratios(deviations: Mapping[int, Vector], floor: float = SPEED_FLOOR) -> dict[str, float]:
+    """`car2.speed_ratio_max`, `_rms` and the worst of all: true speeds of a car over those of the car ahead.
+
+    `deviations` (n,) [m/s] from the speed of the formation, by car, the head included.
+    """
+    metrics: dict[str, float] = {}
+    for car in sorted(deviations):
+        if car - 1 in deviations:
+            greatest, mean = ratio(deviations[car], deviations[car - 1], floor)
+            metrics |= {f"car{car}.speed_ratio_max": greatest, f"car{car}.speed_ratio_rms": mean}
+    return {**dict.fromkeys(("speed_ratio_max", "speed_ratio_rms"), math.nan), **_worst(metrics), **metrics}
 
 
 def ratio(own: Vector, ahead: Vector, floor: float = FLOOR) -> tuple[float, float]:
-    """max|own|/max|ahead| and the quotient of the root mean squares; NaN when `ahead` never exceeds `floor` [m]."""
-    if not len(ahead) or np.max(np.abs(ahead)) <= floor:
+    """max|own|/max|ahead| and the quotient of the root mean squares.
+
+    Where `ahead` never exceeds `floor`, `floor` stands for both: lower bounds. NaN where `own` does not either.
+    """
+    if not len(ahead) or max(np.max(np.abs(own)), np.max(np.abs(ahead))) <= floor:
         return math.nan, math.nan
-    greatest = np.max(np.abs(own)) / np.max(np.abs(ahead))
-    return float(greatest), float(np.sqrt(np.mean(own**2) / np.mean(ahead**2)))
+    greatest, mean = np.max(np.abs(ahead)), np.sqrt(np.mean(ahead**2))
+    if greatest <= floor:
+        greatest = mean = floor
+    return float(np.max(np.abs(own)) / greatest), float(np.sqrt(np.mean(own**2)) / mean)
 
 
 def gain_metrics(
@@ -73,7 +95,7 @@ def gain_metrics(
             if car - 1 in signals:
                 found = gains(signals[car], signals[car - 1], lines, periods)
                 metrics[f"car{car}.{name}"] = float(np.nanmax(found)) if np.isfinite(found).any() else math.nan
-    return {**_worst(metrics), **metrics}
+    return {**dict.fromkeys(("string_gain_max", "error_gain_max"), math.nan), **_worst(metrics), **metrics}
 
 
 def gains(own: Vector, ahead: Vector, lines: Sequence[int], periods: int, clear: float = CLEAR) -> Vector:

@@ -14,7 +14,7 @@ from head_motion import OMEGA, SETTLE, braking, swept
 
 from cosim.scenarios import _excitation
 from cosim.scenarios._excitation import LINES, PERIOD, multisine, straight
-from cosim.scenarios._string_stability import gain_metrics, gains, ratio, ratio_metrics
+from cosim.scenarios._string_stability import gain_metrics, gains, ratio, ratio_metrics, speed_ratios
 
 FOLLOWERS = 4
 STEP = 0.02
@@ -78,12 +78,32 @@ def test_ratios() -> None:
     z |= {3: 1.5 * z[2], 4: 0.01 * z[2], 5: z[2]}
     found = ratio_metrics(z)
     assert found["car3.string_ratio_max"] == pytest.approx(1.5)
-    assert found["string_ratio_rms"] == pytest.approx(1.5)
+    assert found["car3.string_ratio_rms"] == pytest.approx(1.5)
     assert found["car4.string_ratio_norm_rms"] == pytest.approx(0.01 / 1.5)
-    assert math.isnan(found["car5.string_ratio_max"])
-    assert found["string_ratio_max"] == pytest.approx(1.5)
-    assert ratio_metrics({}) == ratio_metrics({2: z[2]}) == {}
+    assert found["car5.string_ratio_max"] == pytest.approx(0.5 / 0.2, rel=1e-3)  # at least, car 4 being in its place
+    assert found["string_ratio_max"] == found["car5.string_ratio_max"]
+    for few in ({}, {2: z[2]}):
+        assert ratio_metrics(few).keys() == {name for name in found if "." not in name}
+        assert all(math.isnan(value) for value in ratio_metrics(few).values())
     assert math.isnan(ratio(z[2][:0, 0], z[2][:0, 0])[0])
+
+
+def test_an_error_that_grows_out_of_noise_has_a_ratio() -> None:
+    """0.19 m ahead of 1 m is at least a fivefold growth; what stays below the floor has none."""
+    z = {k: np.full((100, 2), size) for k, size in ((2, 0.1), (3, 0.19), (4, 1.0), (5, 1.0))}
+    found = ratio_metrics(z)
+    assert math.isnan(found["car3.string_ratio_max"])
+    assert (found["car4.string_ratio_max"], found["car4.string_ratio_rms"]) == pytest.approx((5.0, 5.0))
+    assert found["string_ratio_max"] == pytest.approx(5.0)
+
+
+def test_speeds_are_compared_from_the_second_car_on() -> None:
+    deviation = -15.0 * np.sin(np.linspace(0, np.pi, 200))
+    found = speed_ratios({1: deviation, 2: 1.2 * deviation, 3: 0.6 * deviation})
+    assert (found["car2.speed_ratio_max"], found["car3.speed_ratio_rms"]) == pytest.approx((1.2, 0.5))
+    assert found["speed_ratio_rms"] == pytest.approx(1.2)
+    assert all(math.isnan(value) for value in speed_ratios({1: deviation}).values())
+    assert len(speed_ratios({})) == 2
 
 
 @pytest.mark.parametrize("integral", [0.5, 1.0, 2.0])
