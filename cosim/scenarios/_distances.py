@@ -31,12 +31,16 @@ _BLOCK = 100_000  # centre distances computed at once: what fits into the cache
 
 def distance_metrics(results: Results, cars: Sequence[int]) -> dict[str, float]:
     """`distance_min` [m] of any two cars and `collision`, 1 if two touched; NaN for a car alone."""
+    least = smallest_distance(np.stack([_poses(results, car) for car in cars], axis=1), usual_body())
+    return {"distance_min": least, "collision": math.nan if math.isnan(least) else float(least <= 0.0)}
+
+
+def usual_body() -> Body:
+    """That of all cars."""
     from fmus.planner.evasion.situation import Surroundings  # noqa: PLC0415  (lazy: `cosim list`)
 
     s = Surroundings()
-    body = Body(s.front, s.rear, s.car_width)
-    least = smallest_distance(np.stack([_poses(results, car) for car in cars], axis=1), body)
-    return {"distance_min": least, "collision": math.nan if math.isnan(least) else float(least <= 0.0)}
+    return Body(s.front, s.rear, s.car_width)
 
 
 def smallest_distance(poses: Vector, body: Body) -> float:

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+
+import numpy as np
 
 from cosim.errors import CosimError
+from cosim.scenarios._distances import smallest_distance, usual_body
 from cosim.scenarios._formation import HEAD, name
 from cosim.scenarios._start import first_point, start_at, start_on_reference
 from cosim.scenarios._topology import Place
@@ -18,15 +21,32 @@ _BESIDE: tuple[Place, ...] = ((-1.0, 0.5), (0.6, -1.0), (-0.4, -0.8), (0.8, 0.7)
 def start_in_formation(system: System, leaders: Mapping[int, int], error: float) -> None:
     """The head starts on its reference, every follower in its place, displaced by about `error` [m].
 
-    All start on the course and with the speed of the head. What the user set of a car stays.
+    All start on the course and with the speed of the head. What the user set of a car stays. Raises CosimError when the
+    displaced cars would overlap.
     """
     head = name(HEAD)
     start_on_reference(system, car=head)
     x, y, course, speed = first_point(system, head)
     c, s = math.cos(course), math.sin(course)
-    for k, place in starts(system, leaders, speed).items():
-        along, across = (wanted + error * beside for wanted, beside in zip(place, _BESIDE[k % 4], strict=True))
+    places = displaced(starts(system, leaders, speed), error)
+    if error > 0.0:
+        _keep_apart([(0.0, 0.0), *places.values()], error)
+    for k, (along, across) in places.items():
         start_at(system, (x + c * along - s * across, y + s * along + c * across, course, speed), name(k))
+
+
+def displaced(places: Mapping[int, Place], error: float) -> dict[int, Place]:
+    """Places [m] of the followers, each beside the wanted one by about `error` [m]."""
+    return {k: (x + error * _BESIDE[k % 4][0], y + error * _BESIDE[k % 4][1]) for k, (x, y) in places.items()}
+
+
+def _keep_apart(places: Sequence[Place], error: float) -> None:
+    poses = np.array([[(x, y, 0.0) for x, y in places]])
+    if smallest_distance(poses, usual_body()) <= 0.0:
+        raise CosimError(
+            f"scenario.initial_error = {error:g} m puts cars into one another at the start; "
+            "give less, or more scenario.spacing and scenario.lateral_spacing"
+        )
 
 
 def starts(system: System, leaders: Mapping[int, int], speed: float) -> dict[int, Place]:

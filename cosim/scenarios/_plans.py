@@ -46,17 +46,18 @@ def planned(name: str, vehicle: Vehicle, road: Road, m: int, ends: Ends | None =
         raise CosimError(f"{name} cannot be planned: {error}") from error
 
 
-def kept(name: str, parts: Iterable[str | bytes], make: Callable[[Path], None]) -> Path:
+def kept(name: str, parts: Iterable[str | bytes], make: Callable[[Path], None], doing: str = "planning") -> Path:
     """The cached file made by `make(file)` from what `parts` say, made now if it is not there or damaged.
 
     `parts` must hold all that differs from call to call; the sources of the components are part of the key anyway.
-    Files not used for a month are removed. Raises CosimError when the file cannot be kept.
+    `doing` is what the log says of making it. Files not used for a month are removed. Raises CosimError when the file
+    cannot be kept.
     """
     from fmukit.build import cache  # noqa: PLC0415
     from fmukit.build.errors import BuildError  # noqa: PLC0415
 
     def made() -> bytes:
-        _LOG.info("planning %s, which later runs find in %s", name, cache.cache_folder())
+        _LOG.info("%s %s, which later runs find in %s", doing, name, cache.cache_folder())
         with tempfile.TemporaryDirectory(prefix="cosim-") as folder:
             file = Path(folder) / f"{name}.csv"
             make(file)

@@ -128,7 +128,9 @@ def _head_file(settings: Settings) -> Path:
 
     t = np.linspace(0.0, END + 5.0, 3401)
     rows = _excitation.straight(t, *_motion(t, settings))
-    return kept("platoon", [rows.tobytes()], lambda file: write_table(COLUMNS, rows, file))
+    return kept(
+        "platoon", [rows.tobytes()], lambda file: write_table(COLUMNS, rows, file), "writing how the head drives in"
+    )
 
 
 def _motion(t: Vector, settings: Settings) -> tuple[Vector, Vector]:
