@@ -1,7 +1,8 @@
-"""Four cars in a V, whose followers learn the motion of their leader with a neural network.
+"""Four cars in a V, then in a line, whose followers learn the motion of their leader with a neural network.
 
 In a V everybody keeps to a car diagonally ahead, never far away: the further behind a place is, the faster a bend of
-the leader moves it sideways, and that has to be learnt first.
+the leader moves it sideways, and that has to be learnt first. Once the head drives straight on, at 30 s, all move into
+one line.
 """
 
 from cosim.scenarios._formation import Cars, Law
@@ -20,10 +21,11 @@ that turning gives a hand point 6 m ahead, in the steady state; 8 m ahead it is 
 
 SCENARIO = formation_scenario(
     "formation-adaptive",
-    "Adaptive neural followers of a weaving head that speeds up from 20 to 30 m/s",
+    "Adaptive neural followers of a weaving head that speeds up from 20 to 30 m/s, from V to line",
     "Figs. 5.2, 5.3",
-    30.0,
+    42.0,
     law=Law("AdaptiveFollower", motion=False, parameters=_FIRM),
     cars=Cars(reference=weaving(5.0)),
     kind="v",
+    shapes=((30.0, "line"),),
 )
