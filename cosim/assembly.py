@@ -10,6 +10,7 @@ from fnmatch import fnmatchcase
 from cosim.clock import SECOND, nanoseconds
 from cosim.errors import CosimError, unknown
 from cosim.face import Face, Value
+from cosim.patterns import lacking
 from cosim.system import Event, Instance, System, Wire
 from cosim.units import Conversion, conversion
 from cosim.values import coerce
@@ -69,7 +70,8 @@ def assemble(system: System, faces: Mapping[str, Face], seed: int, step: float |
 
     `step` [s] is one communication step for all: models that keep their own sampling grid go on sampling on it.
     """
-    nodes = {name: _node(name, instance, faces[name], seed) for name, instance in system.instances.items()}
+    values, events = _given(system, faces)
+    nodes = {name: _node(name, each, faces[name], values[name], seed) for name, each in system.instances.items()}
     if step is not None:
         for node in nodes.values():
             node.period = nanoseconds(step, "the common step")
@@ -79,7 +81,7 @@ def assemble(system: System, faces: Mapping[str, Face], seed: int, step: float |
     for node in nodes.values():
         for name in node.values.keys() & node.incoming.keys():
             raise CosimError(f"{node.name}.{name} cannot be set, as it is connected: {node.incoming[name].text}")
-    for event in sorted(system.events.values(), key=lambda event: event.time):
+    for event in sorted(events, key=lambda event: event.time):
         _schedule(nodes[event.instance], event)
     return nodes
 
@@ -104,8 +106,26 @@ def derived_seed(seed: int, instance: str) -> int:
     return int.from_bytes(digest[:8], "big") % _MAX_SEED
 
 
-def _node(name: str, instance: Instance, face: Face, seed: int) -> Node:
-    values = {port: _checked(name, face, port, value) for port, value in instance.parameters.items()}
+def _given(system: System, faces: Mapping[str, Face]) -> tuple[dict[str, dict[str, Value]], list[Event]]:
+    """Values by instance, and events, without those that a pattern gives to instances that lack the variable."""
+    values = {name: dict(instance.parameters) for name, instance in system.instances.items()}
+    given = [(of, name, port) for name, each in system.instances.items() for port, of in each.patterns.items()]
+    settable = {name: _ports(face, "parameter", "input") for name, face in faces.items()}
+    for _, name, port in lacking(given, settable, "variable", _LOOK):
+        del values[name][port]
+    events = list(system.events.values())
+    inputs = {name: _ports(face, "input") for name, face in faces.items()}
+    by_pattern = [(event.pattern, event.instance, event.variable) for event in events if event.pattern]
+    absent = lacking(by_pattern, inputs, "input", _LOOK)
+    return values, [event for event in events if (event.pattern, event.instance, event.variable) not in absent]
+
+
+def _ports(face: Face, *causalities: str) -> list[str]:
+    return [port.name for port in face.ports.values() if port.causality in causalities]
+
+
+def _node(name: str, instance: Instance, face: Face, given: Mapping[str, Value], seed: int) -> Node:
+    values = {port: _checked(name, face, port, value) for port, value in given.items()}
     if SEED in face.ports and face.ports[SEED].type == "Integer":
         values.setdefault(SEED, derived_seed(seed, name))
     return Node(name, face, _period(name, instance, face, values), values)
@@ -113,16 +133,15 @@ def _node(name: str, instance: Instance, face: Face, seed: int) -> Node:
 
 def _checked(name: str, face: Face, variable: str, value: Value) -> Value:
     port = face.ports.get(variable)
-    settable = [p.name for p in face.ports.values() if p.causality in ("parameter", "input")]
     if port is None:
-        raise unknown(f"variable of {name} ({face.model})", variable, settable, _LOOK)
+        raise unknown(f"variable of {name} ({face.model})", variable, _ports(face, "parameter", "input"), _LOOK)
     if port.causality not in ("parameter", "input"):
         raise CosimError(f"{name}.{variable} is an {port.causality} of {face.model} and cannot be set")
     return coerce(name, port, value)
 
 
 def _schedule(node: Node, event: Event) -> None:
-    name, inputs = event.variable, [p.name for p in node.face.ports.values() if p.causality == "input"]
+    name, inputs = event.variable, _ports(node.face, "input")
     port = node.face.ports.get(name)
     if port is None:
         raise unknown(f"input of {node.name} ({node.face.model})", name, inputs, _LOOK)

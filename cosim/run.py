@@ -95,7 +95,7 @@ def run(
     system = requested(request)
     with Loader(scenario.find) as loader:
         nodes = assemble(system, loader.faces(system), request.seed, request.step)
-        in_time(request, nodes)
+        in_time(request, system, nodes)
         leave_out(nodes, unrecorded)
         plan = Plan(scenario, nodes, schedule(nodes, request.scheme), stop, request.seed, interval, unrecorded)
         explain(plan)
@@ -111,9 +111,10 @@ def requested(request: Request) -> System:
     return system
 
 
-def in_time(request: Request, nodes: Mapping[str, Node]) -> None:
+def in_time(request: Request, system: System, nodes: Mapping[str, Node]) -> None:
     """Raises CosimError for an event of the user that the run would not reach; those of a scenario may be cut off."""
-    stop, asked = request.stop, {(round(time * SECOND), signal_) for time, signal_, _ in request.events}
+    found = [(time, *each) for time, signal_, _ in request.events for each in system.selected(signal_)]
+    stop, asked = request.stop, {(round(time * SECOND), f"{name}.{variable}") for time, name, variable, _ in found}
     for node in nodes.values():
         for change in node.changes:
             name = f"{node.name}.{change.variable}"

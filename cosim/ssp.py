@@ -40,7 +40,7 @@ def export(request: Request, file: Path) -> Path:
     with Loader(request.scenario.find) as loader:
         nodes = assemble(system, loader.faces(system), request.seed)
         models = _models({name: loader.file(instance.model) for name, instance in system.instances.items()})
-    in_time(request, nodes)
+    in_time(request, system, nodes)
     for node in nodes.values():
         take_tables_along(node, models[node.name])
     _tell_what_is_lost(nodes)

@@ -5,29 +5,37 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from fnmatch import fnmatchcase
 
 from cosim.errors import CosimError, unknown
 from cosim.face import Value
+from cosim.patterns import fitting, is_pattern
 
 
 @dataclass
 class Instance:
-    """`model` is a catalogue name or a path to an .fmu; values still in text form are converted by the port's type."""
+    """`model` is a catalogue name or a path to an .fmu; values still in text form are converted by the port's type.
+
+    `patterns` are those of the parameters that were set by a pattern, which counts where the model has the variable.
+    """
 
     model: str
     parameters: dict[str, Value] = field(default_factory=dict)
     period: float | None = None
+    patterns: dict[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """`variable`, an unconnected input of `instance`, takes `value` at `time` [s]."""
+    """`variable`, an unconnected input of `instance`, takes `value` at `time` [s].
+
+    A `pattern` that it came from counts where the model has the variable.
+    """
 
     time: float
     instance: str
     variable: str
     value: Value
+    pattern: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,49 +90,45 @@ class System:
     def set(self, assignment: str, value: Value) -> None:
         """Set `instance.variable` (instance names may contain dots) to a value, possibly still in text form.
 
-        Where no instance has that name, * and ? in it stand for characters between two dots, and all that fit are set.
+        Where no instance has that name, * and ? in it stand for characters between two dots, and all that fit and have
+        the variable are set.
         """
-        pattern = not self._named(assignment) and bool({"*", "?"} & set(assignment))
-        for instance, variable in self._fitting(assignment) if pattern else [self.split(assignment)]:
-            self.instances[instance].parameters[variable] = value
+        for name, variable, pattern in self.selected(assignment):
+            instance = self.instances[name]
+            if not pattern:
+                instance.patterns.pop(variable, None)
+            elif variable not in instance.parameters:
+                instance.patterns[variable] = pattern
+            instance.parameters[variable] = value
 
     def at(self, time: float, signal: str, value: Value) -> None:
         """From `time` [s] on the unconnected input `instance.variable` holds `value`, until an event sets it again.
 
         It takes effect when the instance next takes its inputs, at that time or after it. Of two events for one input
-        at one time the later call counts.
+        at one time the later call counts. Patterns are those of `set`.
         """
         if not (math.isfinite(time) and time >= 0.0):
             raise CosimError(f"{signal} cannot be set at {time:g} s; give a time that is finite and not negative")
-        instance, variable = self.split(signal)
-        self.events[time, instance, variable] = Event(time, instance, variable, value)
+        for instance, variable, pattern in self.selected(signal):
+            self.events[time, instance, variable] = Event(time, instance, variable, value, pattern)
+
+    def selected(self, signal: str) -> list[tuple[str, str, str]]:
+        """(instance, variable, pattern) of all that `signal` means; the pattern is "" where it is a name."""
+        if is_pattern(signal) and not self._named(signal):
+            return [(*found, signal) for found in fitting(signal, self.instances)]
+        return [(*self.split(signal), "")]
 
     def split(self, signal: str) -> tuple[str, str]:
         """(instance, variable) of `instance.variable`, with the longest instance name that fits."""
         fitting = self._named(signal)
         if not fitting:
-            raise unknown("instance", signal.partition(".")[0], self.instances)
+            dots = max((name.count(".") for name in self.instances), default=0)
+            raise unknown("instance", ".".join(signal.split(".")[:-1][: dots + 1]), self.instances)
         instance = max(fitting, key=len)
         return instance, signal[len(instance) + 1 :]
 
     def _named(self, signal: str) -> list[str]:
         return [name for name in self.instances if signal.startswith(name + ".")]
-
-    def _fitting(self, pattern: str) -> list[tuple[str, str]]:
-        """(instance, variable) of all instances whose name fits the beginning of `pattern`, the longest names."""
-        parts = pattern.split(".")
-        found: dict[int, list[tuple[str, str]]] = {}
-        for name in self.instances:
-            own = name.split(".")
-            head, variable = parts[: len(own)], ".".join(parts[len(own) :])
-            if variable and all(fnmatchcase(part, wanted) for part, wanted in zip(own, head, strict=True)):
-                found.setdefault(len(own), []).append((name, variable))
-        if not found:
-            raise CosimError(
-                f"no instance fits the pattern {pattern!r}; * and ? stand for characters between two dots, "
-                "as in car*.llc.filter.speed, and `--explain` lists the instances"
-            )
-        return found[max(found)]
 
 
 def parse_assignments(texts: Iterable[str]) -> list[tuple[str, str]]:

@@ -179,6 +179,43 @@ def test_a_pattern_that_fits_nothing_is_said(pattern):
         cars("car1.plant.wheel", "car1.llc.left").set(pattern, 1)
 
 
+def with_gain(*names, of=("gain",)):
+    """Faces with inputs `of` for instances of these names, and without for all others."""
+    return lambda system: {name: face(dict.fromkeys(of, "m") if name in names else {}) for name in system.instances}
+
+
+def test_a_pattern_passes_over_instances_without_the_variable():
+    system = cars("car1.llc", "car2.llc", "car2.plant")
+    system.set("car*.*.gain", 1)
+    nodes = assemble(system, with_gain("car1.llc", "car2.plant")(system), 0)
+    assert {name: node.values for name, node in nodes.items()} == {
+        "car1.llc": {"gain": 1.0},
+        "car2.llc": {},
+        "car2.plant": {"gain": 1.0},
+    }
+    with pytest.raises(CosimError, match=r"variable of the instances that fit 'car\*\.\*\.gain' 'gain'; .*mean gains"):
+        assemble(system, with_gain("car1.llc", of=("gains",))(system), 0)
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_a_name_beside_a_pattern_must_have_the_variable(order):
+    system = cars("car1.llc", "car2.llc")
+    for assignment in ("car2.llc.gain", "car*.llc.gain")[::order]:
+        system.set(assignment, 1)
+    with pytest.raises(CosimError, match=r"unknown variable of car2\.llc \(Mock\) 'gain'"):
+        assemble(system, with_gain("car1.llc")(system), 0)
+
+
+def test_an_unknown_instance_is_named_with_its_dots():
+    system = cars("car1.llc", "car2.follower", "car3.follower")
+    with pytest.raises(
+        CosimError, match=r"unknown instance 'car1\.follower'; did you mean car3\.follower or car2\.fol"
+    ):
+        system.set("car1.follower.formation.x", 1)
+    with pytest.raises(CosimError, match=r"unknown instance 'car1'; did you mean car1\.llc"):
+        system.set("car1.gain", 1)
+
+
 def test_what_nothing_reads_can_be_left_out():
     system = System()
     system.add("car1", "Mock")

@@ -106,6 +106,24 @@ def test_the_later_call_replaces_an_event_at_the_same_time() -> None:
     assert [entry for entry in log_of(mocks["plant"]) if entry[0] == "set"] == [("set", {"valve": 0.75})]
 
 
+def test_a_pattern_sets_all_that_have_the_input() -> None:
+    system, mocks = pair((0.01, "*.valve", 0.5), (0.02, "plan?.valve", 0.75))
+    simulate(system, mocks, 0.03)
+    of = {name: [e for e in log_of(mock) if e[0] == "set"] for name, mock in mocks.items()}
+    assert of == {"source": [("set", {"valve": 0.5})], "plant": [("set", {"valve": 0.5}), ("set", {"valve": 0.75})]}
+    system, mocks = pair((0.01, "*.b", 0.5))
+    with pytest.raises(CosimError, match=r"unknown input of the instances that fit '\*\.b' 'b'; known are a, valve"):
+        assemble(system, {name: mock.face for name, mock in mocks.items()}, 0)
+
+
+def test_a_pattern_is_a_matter_of_inputs_only_where_there_is_one() -> None:
+    system, mocks = pair()
+    system.add("other", "Mock")
+    system.at(0.01, "*.valve", 0.5)
+    nodes = assemble(system, {name: mock.face for name, mock in mocks.items()} | {"other": face({}, {"y": "m"})}, 0)
+    assert {name: len(node.changes) for name, node in nodes.items()} == {"source": 1, "plant": 1, "other": 0}
+
+
 @pytest.mark.parametrize(
     ("event", "sentence"),
     [
@@ -182,8 +200,9 @@ def test_an_event_of_the_user_beyond_the_end_is_an_error_one_of_the_scenario_is_
     scenario = tanks(tank)
     assert run(Request(scenario, tmp_path, stop_time=0.3))[0]["status"] == "ok"
     for time in (1.0, 2.5, 0.995):
-        with pytest.raises(CosimError, match=rf"first.inflow cannot be set at {time:g} s: the run ends at 1 s"):
-            run(Request(scenario, tmp_path, events=[(time, "first.inflow", "1")]))
+        for signal in ("first.inflow", "f*.inflow"):
+            with pytest.raises(CosimError, match=rf"first.inflow cannot be set at {time:g} s: the run ends at 1 s"):
+                run(Request(scenario, tmp_path, events=[(time, signal, "1")]))
 
 
 def test_an_exported_system_keeps_them_as_an_annotation_and_says_so(tank, tmp_path, caplog) -> None:
