@@ -20,7 +20,7 @@ from cosim.master import Signal
 from cosim.slave import Vector
 from cosim.storage import PARQUET, STREAM, write_parquet
 
-_ROWS, _VALUES = 512, 1 << 19  # in a chunk, at most
+_ROWS, _VALUES = 512, 1 << 17  # in a chunk, at most
 _PATIENCE = 2.0  # [s] of wall time
 _ARRAY = re.compile(r"\[\d+]")
 

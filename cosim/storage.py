@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,8 @@ import pyarrow as pa
 
 STREAM = "results.arrows"
 PARQUET = "results.parquet"
-_GROUP = 1 << 22  # values in a row group of the Parquet file: what is held in memory when it is written
+_GROUP = 1 << 19  # values that a row group of the Parquet file holds whatever the number of its rows
+_OVERHEAD = 256  # values that take as much memory as what is kept of a column of a row group until the file is written
 
 
 def read_stream(path: Path) -> Any:
@@ -52,7 +54,7 @@ def _groups(reader: Any, rows: int) -> Iterator[Any]:
     All show the same memory, each until the next is asked for. Arrow's own concatenation of a few rows of thousands of
     columns takes many times the memory of their values.
     """
-    group, filled = np.empty((len(reader.schema), max(1, min(rows, 1 + _GROUP // len(reader.schema))))), 0
+    group, filled = np.empty((len(reader.schema), _group_rows(rows, len(reader.schema)))), 0
     for batch in _batches(reader):
         values = batch.to_tensor(row_major=False).to_numpy().T if len(batch) else group[:, :0]
         while values.shape[1]:
@@ -64,3 +66,11 @@ def _groups(reader: Any, rows: int) -> Iterator[Any]:
                 filled = 0
     if filled:
         yield pa.Table.from_arrays([pa.array(column) for column in group[:, :filled]], schema=reader.schema)
+
+
+def _group_rows(rows: int, columns: int) -> int:
+    """How many rows make a row group: of n groups of wide rows the memory is columns (rows / n + n overhead) values.
+
+    It is least at n = sqrt(rows / overhead).
+    """
+    return max(1, min(rows, max(math.isqrt(_OVERHEAD * rows), 1 + _GROUP // columns)))
