@@ -36,17 +36,17 @@ class Inside:
 def measure(rounds: int = ROUNDS) -> tuple[dict[str, Inside], float]:
     """By solver what it takes; and mean microseconds of an exchange with the FMU: set inputs, sample, get outputs."""
     times: dict[str, list[np.ndarray]] = {name: [] for name in _TITLES}
+    iterations: dict[str, float] = {}
     exchanges = []
     for _ in range(rounds):
         with tempfile.TemporaryDirectory() as folder:
             request = Request(load("double-lane-change"), Path(folder), [("mpc.solver.timed", "true")])
             summary, results = run(request)
-        samples = results.instants("mpc")
-        for name, seen in times.items():
-            seen.append(1e6 * results[f"mpc.{name}.time"][samples])
+            for name, seen in times.items():
+                seen.append(1e6 * results.samples("mpc", f"{name}.time"))
+                iterations[name] = float(results.samples("mpc", f"{name}.iterations").mean())
         spent = summary["instances"]["mpc"]
         exchanges.append(1e6 * spent["time"] / spent["calls"])
-    iterations = {name: float(results[f"mpc.{name}.iterations"][samples].mean()) for name in _TITLES}
     return {name: Inside(spread(seen), iterations[name]) for name, seen in times.items()}, float(np.mean(exchanges))
 
 
