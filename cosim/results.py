@@ -5,6 +5,7 @@ Of a Parquet file the columns are read when they are asked for, so that many veh
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -22,7 +23,8 @@ class Results:
     """`results["plant.yaw"]` is a column; `periods` [s] by instance name come from the run's summary.
 
     `settings` are those of the scenario that ran, by name; `parameters` by instance name what was set of its variables
-    before the start, by the scenario or by hand. What is not among them had the start value of the model.
+    before the start, by the scenario or by hand. What is not among them had the start value of the model. `stop` [s] is
+    when the run was to end; without it the last row is taken to be that time.
     """
 
     def __init__(
@@ -31,12 +33,14 @@ class Results:
         periods: Mapping[str, float],
         settings: Mapping[str, Any] | None = None,
         parameters: Mapping[str, Mapping[str, Value]] | None = None,
+        stop: float | None = None,
     ) -> None:
         self._table = table
         self.periods = dict(periods)
         self.settings = dict(settings or {})
         self.parameters = dict(parameters or {})
         self.names = [name for name in table.schema.names if name != "time"]
+        self._stop = stop
         self._known = frozenset(table.schema.names)
         self.time = table.column("time").to_numpy()
 
@@ -56,12 +60,12 @@ class Results:
     def instants(self, instance: str) -> np.ndarray:
         """The recorded rows at which `instance` computed.
 
-        The last row is left out: at the stop time the plants have arrived, but no sampled instance has run.
+        That of the stop time is left out: the plants have arrived, but no sampled instance has run.
         """
         period = round(self.periods[instance] * SECOND)
         nanoseconds = np.rint(self.time * SECOND).astype(np.int64)
-        rows = np.flatnonzero(nanoseconds % period == 0)
-        return rows[rows < len(self.time) - 1]
+        end = nanoseconds[-1:] if self._stop is None else self._stop * SECOND
+        return np.flatnonzero((nanoseconds % period == 0) & (nanoseconds < np.rint(end)))
 
     def samples(self, instance: str, name: str) -> Vector:
         """The values of the variable `name` of `instance` at the rows at which it computed."""
@@ -86,10 +90,12 @@ def load_results(
     periods: Mapping[str, float],
     settings: Mapping[str, Any] | None = None,
     parameters: Mapping[str, Mapping[str, Value]] | None = None,
+    stop: float | None = None,
 ) -> Results:
-    """The results in a run's folder: the Parquet file, or what a killed run left in its stream."""
+    """The results in a run's folder: the Parquet file, or what a killed run left in its stream, without a stop time."""
     if (folder / PARQUET).is_file():
-        return Results(_Columns(folder / PARQUET), periods, settings, parameters)
+        return Results(_Columns(folder / PARQUET), periods, settings, parameters, stop)
     if (folder / STREAM).is_file():
-        return Results(read_stream(folder / STREAM), periods, settings, parameters)
+        table = read_stream(folder / STREAM)
+        return Results(table, periods, settings, parameters, math.inf if stop is None else stop)
     raise CosimError(f"{folder} holds no results")

@@ -173,9 +173,10 @@ def _kept(recorder: Recorder, progress: Progress, time: int) -> None:
 def _conclude(plan: Plan, outcome: Outcome, request: Request) -> tuple[dict[str, Any], Results]:
     folder, settings = request.folder, chosen(request.scenario, request.assignments)
     periods = {name: node.period / SECOND for name, node in plan.nodes.items()}
-    results = load_results(folder, periods, settings, {name: node.values for name, node in plan.nodes.items()})
+    values = {name: node.values for name, node in plan.nodes.items()}
+    results = load_results(folder, periods, settings, values, to_seconds(plan.stop))
     metrics = plan.scenario.metrics(results) if len(results.time) > 1 else {}
-    summary = summarise(plan.scenario.name, plan.seed, outcome, plan.nodes, metrics, plan.record_every)
+    summary = summarise(plan.scenario.name, plan.seed, outcome, plan.nodes, metrics, plan.record_every, plan.unrecorded)
     try:
         write_summary(summary, folder)
     except OSError as error:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import subprocess
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -24,8 +24,12 @@ def summarise(
     nodes: Mapping[str, Node],
     metrics: Mapping[str, float],
     record_every: int = 0,
+    unrecorded: Sequence[str] = (),
 ) -> dict[str, Any]:
-    """The summary as data; `stop_time` is the simulated time reached, times in seconds; `record_every` [ns]."""
+    """The summary as data; `stop_time` is the simulated time reached, times in seconds; `record_every` [ns].
+
+    `unrecorded` are the patterns of signals that were left out of the results.
+    """
     wall = outcome.wall / SECOND
     return {
         "scenario": scenario,
@@ -35,6 +39,7 @@ def summarise(
         "wall_time": wall,
         "real_time_factor": to_seconds(outcome.time) / wall if wall else 0.0,
         "record_every": to_seconds(record_every),
+        "unrecorded": list(unrecorded),
         "seed": seed,
         "git": code_version(),
         "instances": {name: _instance(name, node, outcome) for name, node in nodes.items()},

@@ -22,6 +22,7 @@ SUMMARY = {
     "wall_time": float,
     "real_time_factor": float,
     "record_every": float,
+    "unrecorded": list,
     "seed": int,
     "git": str,
     "instances": dict,
@@ -110,6 +111,8 @@ def test_signals_left_out_are_recorded_when_asked_for(cosim, tmp_path, monkeypat
     assert cosim("run", "tanks", "-o", str(whole), "--quiet", "--record-all")[0] == 0
     assert cosim("run", "tanks", "-o", str(part), "--quiet")[0] == 0
     assert (load_results(whole, {}).names, load_results(part, {}).names) == (["first.level", "second.level"], [])
+    left_out = [json.loads((folder / "summary.json").read_text())["unrecorded"] for folder in (whole, part)]
+    assert left_out == [[], ["*.lev?l"]]
 
 
 def test_json_is_all_that_goes_to_stdout(cosim, tmp_path):

@@ -12,7 +12,7 @@ from cosim.errors import CosimError
 from cosim.master import Signal
 from cosim.recorder import Recorder, recorded
 from cosim.results import load_results
-from cosim.storage import PARQUET, STREAM
+from cosim.storage import PARQUET, STREAM, _group_rows
 
 SIGNALS = [Signal("plant", "y", "m"), Signal("reference", "preview[3].speed", "m/s"), Signal("llc", "u", None)]
 
@@ -69,6 +69,7 @@ def test_wide_rows_and_many_row_groups(tmp_path, monkeypatch):
     """Chunks get shorter as rows get wider; row groups have equally many rows whatever the chunks were."""
     monkeypatch.setattr("cosim.recorder._VALUES", 4000)
     monkeypatch.setattr("cosim.storage._GROUP", 50_000)
+    monkeypatch.setattr("cosim.storage._OVERHEAD", 0)
     signals = [Signal(f"car{k}", "x", "m") for k in range(999)]
     vector = np.zeros(1000)
     recorder = Recorder(tmp_path, vector, signals, recorded(signals))
@@ -85,6 +86,16 @@ def test_wide_rows_and_many_row_groups(tmp_path, monkeypatch):
     assert results.names == [signal.name for signal in signals]
 
 
+@pytest.mark.parametrize(("rows", "columns"), [(1500, 5000), (60_000, 10_000), (60_000, 5000)])
+def test_row_groups_of_many_columns_take_little_memory(rows, columns):
+    """Values in a group and what is kept of all groups, against the best of all lengths of a group."""
+
+    def held(length):
+        return columns * (length + 256 * -(-rows // length))
+
+    assert held(_group_rows(rows, columns)) <= 1.1 * min(map(held, range(1, rows + 1)))
+
+
 def test_the_last_row_is_no_sampling_instant(tmp_path):
     vector = np.zeros(4)
     recorder = Recorder(tmp_path, vector, SIGNALS, [0])
@@ -95,6 +106,8 @@ def test_the_last_row_is_no_sampling_instant(tmp_path):
     results = load_results(tmp_path, {"llc": 0.5, "plant": 0.5})
     assert results.instants("llc").tolist() == [0, 5]
     assert results.samples("plant", "y").tolist() == [0.0, -5.0]
+    assert load_results(tmp_path, {"llc": 0.5}, stop=1.0).instants("llc").tolist() == [0, 5]
+    assert load_results(tmp_path, {"llc": 0.5}, stop=1.5).instants("llc").tolist() == [0, 5, 10], "it ended early"
 
 
 def test_unknown_signals_and_missing_results(tmp_path):
@@ -136,7 +149,9 @@ def test_a_killed_run_keeps_what_it_had(tmp_path):
     assert results["plant.y"].tolist() == list(range(4608))
     with (tmp_path / STREAM).open("r+b") as stream:  # killed in the middle of writing a chunk
         stream.truncate((tmp_path / STREAM).stat().st_size - 1000)
-    assert load_results(tmp_path, {})["plant.y"].tolist() == list(range(4096))
+    results = load_results(tmp_path, {"plant": 0.001})
+    assert results["plant.y"].tolist() == list(range(4096))
+    assert results.instants("plant").tolist() == list(range(4096)), "the last row is no stop time"
     Recorder(tmp_path, np.zeros(4), SIGNALS, [0]).close()
     assert (tmp_path / PARQUET).exists()
 
