@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -22,15 +22,16 @@ def start_in_formation(system: System, leaders: Mapping[int, int], error: float)
     """The head starts on its reference, every follower in its place, displaced by about `error` [m].
 
     All start on the course and with the speed of the head. What the user set of a car stays. Raises CosimError when the
-    displaced cars would overlap.
+    displaced cars would overlap, or would have to drive through one another.
     """
     head = name(HEAD)
     start_on_reference(system, car=head)
     x, y, course, speed = first_point(system, head)
     c, s = math.cos(course), math.sin(course)
-    places = displaced(starts(system, leaders, speed), error)
+    wanted = starts(system, leaders, speed)
     if error > 0.0:
-        _keep_apart([(0.0, 0.0), *places.values()], error)
+        _keep_apart(wanted, error)
+    places = displaced(wanted, error)
     for k, (along, across) in places.items():
         start_at(system, (x + c * along - s * across, y + s * along + c * across, course, speed), name(k))
 
@@ -40,12 +41,14 @@ def displaced(places: Mapping[int, Place], error: float) -> dict[int, Place]:
     return {k: (x + error * _BESIDE[k % 4][0], y + error * _BESIDE[k % 4][1]) for k, (x, y) in places.items()}
 
 
-def _keep_apart(places: Sequence[Place], error: float) -> None:
-    poses = np.array([[(x, y, 0.0) for x, y in places]])
+def _keep_apart(wanted: Mapping[int, Place], error: float) -> None:
+    """Neither where they start nor, all drawing nearer alike, on the straight way from there to their places."""
+    ways = [[(0.0, 0.0), *displaced(wanted, share * error).values()] for share in np.linspace(0.0, 1.0, 41)]
+    poses = np.pad(np.array(ways), ((0, 0), (0, 0), (0, 1)))
     if smallest_distance(poses, usual_body()) <= 0.0:
         raise CosimError(
-            f"scenario.initial_error = {error:g} m puts cars into one another at the start; "
-            "give less, or more scenario.spacing and scenario.lateral_spacing"
+            f"scenario.initial_error = {error:g} m puts cars into one another, at the start or on the way to their "
+            "places; give less, or more scenario.spacing and scenario.lateral_spacing"
         )
 
 
