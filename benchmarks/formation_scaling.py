@@ -1,10 +1,11 @@
 """What one more car costs: time per car and simulated second, and memory, of formations of 1 to 50 full cars.
 
-Every formation runs in a process of its own, recorder on. They take turns of about a tenth of a second, so that
-whatever else the machine does slows all of them down alike. The cost is the processor time of the loop, of which each
-turn counts as it went in its best round: fifty cars need all of a cache that other programs may share. Memory is the
-most a process held from start to summary. One car alone is the head, which has a reference and hears nobody; all others
-hear a radio.
+Every formation runs in a process of its own, recorder on, all over the same simulated time, in which the head weaves
+and speeds up. They take turns, so that whatever else the machine does slows all of them down alike. The cost is the
+processor time of the loop, of which each turn counts as it went in its best round; beside it stands the median of what
+the rounds gave, each compared within itself. Memory is the resident set of a process: the most from start to summary,
+and what it was when all instances were initialised. One car alone is the head, which has a reference and hears nobody;
+all others hear a radio.
 """
 
 from __future__ import annotations
@@ -31,30 +32,39 @@ RATIO, MEMORY, REAL_TIME = 1.15, 3.0, 2.0
 CARS = 10
 _SCENARIO = "formation-adaptive"
 _TURNS = 20
-_SHORTEST, _MOST = 64_000_000, 10  # [ns] of a turn of many cars, and how many times that of few
+_TURN = 15 * 64_000_000  # [ns], a multiple of the time between two calls of `progress`
 
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """`processor` and `wall` time [s] per car and simulated second, turn by turn; most `memory` [MB] held, or NaN."""
+    """`processor` and `wall` time [s] per car and simulated second, turn by turn; most `memory` [MB] held, or NaN.
+
+    `initialised` is what was held [MB] when the instances were there and had run a few ticks, or NaN.
+    """
 
     cars: int
     processor: Sequence[float]
     wall: Sequence[float]
     memory: float
+    initialised: float
 
 
 @dataclass(frozen=True, slots=True)
 class Formation:
     """The runs of one size: best `cost` [s] per car and simulated second, and its `ratio` to that of the smallest size.
 
-    `memory` [MB] per car more than the smallest; the real-time factor `seen`, the load of the machine included.
+    `usual` is the median over the rounds of that ratio, `second` the best ratio to the next size: the smallest that
+    hears a radio. `memory` [MB] per car more than the smallest, `instances` that of initialised ones; the real-time
+    factor `seen`, the load of the machine included.
     """
 
     cars: int
     cost: float
     ratio: float
+    usual: float
+    second: float
     memory: float
+    instances: float
     seen: float
 
     @property
@@ -65,26 +75,34 @@ class Formation:
 
 def measure(rounds: int = ROUNDS, sizes: Sequence[int] = SIZES) -> dict[int, Formation]:
     """Formations by number of cars."""
-    _here(2, turns=1, wait=lambda: None)  # builds what is not in the cache
+    _here(2, turns=1, wait=lambda: None, length=64_000_000)  # builds what is not in the cache
     return compared([_together(sorted(sizes)) for _ in range(rounds)])
 
 
 def compared(rounds: Sequence[Sequence[Run]]) -> dict[int, Formation]:
     """Every size beside the first one, by number of cars; each round has a run of every size."""
-    return {runs[0].cars: _formation(runs, [each[0] for each in rounds]) for runs in zip(*rounds, strict=True)}
+    sizes = list(zip(*rounds, strict=True))
+    return {runs[0].cars: _formation(runs, sizes[0], sizes[1 % len(sizes)]) for runs in sizes}
 
 
-def _formation(runs: Sequence[Run], ones: Sequence[Run]) -> Formation:
-    cars, more = runs[0].cars, runs[0].cars - ones[0].cars
-    cost, one = (spread([run.processor for run in each]).best_mean for each in (runs, ones))
-    memory = min(run.memory for run in runs) - min(run.memory for run in ones)
+def _formation(runs: Sequence[Run], ones: Sequence[Run], twos: Sequence[Run]) -> Formation:
+    cost, one, two = (spread([run.processor for run in each]).best_mean for each in (runs, ones, twos))
+    rounds = [np.mean(run.processor) / np.mean(first.processor) for run, first in zip(runs, ones, strict=True)]
     return Formation(
-        cars,
+        runs[0].cars,
         cost=cost,
         ratio=cost / one,
-        memory=memory / more if more else float("nan"),
-        seen=1.0 / (cars * min(float(np.mean(run.wall)) for run in runs)),
+        usual=float(np.median(rounds)),
+        second=cost / two,
+        memory=_per_car(runs, ones, lambda run: run.memory),
+        instances=_per_car(runs, ones, lambda run: run.initialised),
+        seen=1.0 / (runs[0].cars * min(float(np.mean(run.wall)) for run in runs)),
     )
+
+
+def _per_car(runs: Sequence[Run], ones: Sequence[Run], memory: Callable[[Run], float]) -> float:
+    more = runs[0].cars - ones[0].cars
+    return (min(map(memory, runs)) - min(map(memory, ones))) / more if more else float("nan")
 
 
 def rows(rounds: int | None) -> list[tuple[str, str, str, str]]:
@@ -94,7 +112,9 @@ def rows(rounds: int | None) -> list[tuple[str, str, str, str]]:
 
 def _row(cars: int, seen: Formation) -> tuple[str, str, str, str]:
     factor = f"{seen.real_time_factor:.1f} x real time on a core of its own, {seen.seen:.1f} seen"
-    more = "" if cars == SIZES[0] else f"{seen.ratio:.2f} x one car; {seen.memory:.1f} MB per further car; "
+    times = f"{seen.ratio:.2f} x one car (usually {seen.usual:.2f}), {seen.second:.2f} x two; "
+    memory = f"{seen.memory:.1f} MB per further car, {seen.instances:.1f} of it initialised; "
+    more = "" if cars == SIZES[0] else times + memory
     aims = {SIZES[-1]: f"<= {RATIO:g} x, <= {MEMORY:g} MB", CARS: f">= {REAL_TIME:g} x real time"}
     plural = "s" if cars > 1 else ""
     what = f"formation of {cars} car{plural}, 16-DoF, radio: car and second"
@@ -148,14 +168,16 @@ def _wait() -> None:
 class _Turns:
     """The progress of a run that waits before and after every turn; what they took: simulated, processor, wall [s]."""
 
-    def __init__(self, cars: int, turns: int, wait: Callable[[], None]) -> None:
-        self.length = _SHORTEST * max(1, min(_MOST, SIZES[-1] // cars))
+    def __init__(self, turns: int, wait: Callable[[], None], length: int) -> None:
+        self.length = length
+        self.initialised = float("nan")
         self.taken: list[tuple[float, float, float]] = []
         self._turns, self._wait = turns, wait
         self._start: tuple[int, float, float] | None = None
 
     def __call__(self, time: int) -> None:
         if self._start is None:  # after the first ticks
+            self.initialised = _memory("VmRSS")
             self._begin(time)
         elif len(self.taken) < self._turns and time - self._start[0] >= self.length:
             begin, processor, wall = self._start
@@ -167,27 +189,36 @@ class _Turns:
         self._start = time, process_time(), perf_counter()
 
 
-def _here(cars: int, turns: int, wait: Callable[[], None]) -> Run:
-    """Run the formation in this process; `wait` is called before every turn and after the last."""
-    taken = _Turns(cars, turns, wait)
-    stop = (turns * taken.length + 2 * _SHORTEST) / 1e9
+def _here(cars: int, turns: int, wait: Callable[[], None], length: int = _TURN) -> Run:
+    """Run the formation in this process; `wait` is called before every turn of `length` [ns] and after the last."""
+    taken = _Turns(turns, wait, length)
+    stop = (turns * length + 2 * 64_000_000) / 1e9
     with tempfile.TemporaryDirectory() as folder:
         request = Request(load(_SCENARIO), Path(folder), [("scenario.vehicles", str(cars))], stop_time=stop)
         summary, _ = run(request, progress=taken)
     if summary["status"] != "ok":
         raise RuntimeError(f"{_SCENARIO} with {cars} cars: {summary['reason']}")
     simulated, processor, wall = np.array(taken.taken).T
-    return Run(cars, (processor / simulated / cars).tolist(), (wall / simulated / cars).tolist(), _most_memory())
+    costs = [(spent / simulated / cars).tolist() for spent in (processor, wall)]
+    return Run(cars, *costs, memory=_memory("VmHWM"), initialised=taken.initialised)
 
 
-def _most_memory() -> float:
-    """The largest resident set of this process [MB], where Linux tells."""
+def _memory(kind: str) -> float:
+    """The resident set of this process [MB], where Linux tells: the present one VmRSS, the largest VmHWM."""
     status = Path("/proc/self/status")
     if not status.is_file():
         return float("nan")
-    (line,) = [line for line in status.read_text().splitlines() if line.startswith("VmHWM")]
+    (line,) = [line for line in status.read_text().splitlines() if line.startswith(kind)]
     return float(line.split()[1]) / 1024.0
 
 
+def _print(rounds: int) -> None:
+    for row in rows(rounds):
+        print("  |  ".join(row), flush=True)
+
+
 if __name__ == "__main__":
-    print(json.dumps(asdict(_here(int(sys.argv[1]), _TURNS, _wait))))
+    if sys.argv[1:2] == ["--rounds"] or not sys.argv[1:]:
+        _print(int(sys.argv[2]) if sys.argv[1:] else ROUNDS)
+    else:
+        print(json.dumps(asdict(_here(int(sys.argv[1]), _TURNS, _wait))))

@@ -1,5 +1,6 @@
-"""The figures with an aim stay within three times of it, so that a machine may be slow but a program may not.
+"""Times with an aim stay within three times of it, so that a machine may be slow but a program may not.
 
+Ratios of times measured in turns, which a slow machine leaves as they are, stay within a tenth of theirs.
 Means count everything; of the worst case the best of several rounds, which another program cannot spoil.
 """
 
@@ -10,7 +11,7 @@ import pytest
 from benchmarks import formation_scaling, mpc_sample, planning, qp_in_fmu
 
 pytestmark = pytest.mark.nightly
-_SLOW = 3.0
+_SLOW, _UNEVEN = 3.0, 1.1
 
 
 def test_solvers_of_mpc_allocator_inside_the_fmu() -> None:
@@ -37,6 +38,6 @@ def test_plans_after_compilation(grid: planning.Grid, m: int) -> None:
 
 def test_formations_cost_what_their_cars_cost() -> None:
     seen = formation_scaling.measure(rounds=2, sizes=(1, formation_scaling.CARS, 50))
-    assert seen[50].ratio <= _SLOW * formation_scaling.RATIO
+    assert seen[50].ratio <= _UNEVEN * formation_scaling.RATIO
     assert seen[50].memory <= formation_scaling.MEMORY
     assert seen[formation_scaling.CARS].real_time_factor >= formation_scaling.REAL_TIME / _SLOW
