@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Callable
 from functools import cache
@@ -85,9 +86,9 @@ def test_a_push_of_one_car_is_not_passed_on_by_constraint_followers(drive: Drive
     """6 kN for 1 s on a car of some 1.8 t; those behind keep a headway from it."""
     cars = ("scenario.law=constraint", "scenario.plant=double-track", "scenario.vehicles=4")
     metrics, _ = drive(*cars, manoeuvre="push", stop=16.0)
-    assert 0.1 < metrics["push_error_max"] < 1.5
+    assert 0.2 < metrics["push_error_max"] < 0.5
     assert metrics["push_error_behind_max"] <= metrics["push_error_max"]
-    assert metrics["push_error_ahead_max"] < 0.3
+    assert metrics["push_error_ahead_max"] < 0.1
     assert metrics["collision"] == 0.0
 
 
@@ -145,6 +146,16 @@ def test_a_car_alone_is_a_platoon(drive: Drive) -> None:
         assert metrics[name] is None
     assert metrics["formation_error_max"] is None
     assert metrics["distance_min"] is None
+
+
+def test_nothing_is_said_to_be_planned(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr("fmukit.build.cache.cache_folder", lambda: tmp_path)
+    caplog.set_level(logging.INFO, "cosim")
+    configured(load("platoon"), [("scenario.plant", "unicycle")])
+    (record,) = caplog.records
+    assert record.message.startswith("writing how the head drives in platoon, which later runs find in")
 
 
 def test_another_trajectory_of_the_head_is_refused() -> None:
