@@ -53,15 +53,15 @@ def _quintic(begin: Vector, target: float, duration: float) -> Polynomial:
 def wanted(time: Vector, own: Vector, moving: Vector, speed: Vector, headway: float) -> tuple[Vector, np.ndarray]:
     """The offsets (n, 2) [m] a follower was wanted at, and where (n,) those it gave, `own`, were others.
 
-    `moving` is the course commanded, `speed` (n,) [m/s] the true one. Before its first output, when all of `own` is
-    zero, a follower is wanted where it was commanded.
+    `moving` is the course commanded, `speed` (n,) [m/s] the true one. A follower that has given no output yet, all of
+    `own` being zero, is not one that leads itself elsewhere.
     """
     commanded = moving - headway * np.stack((speed, 0 * speed), -1)
     silent = np.cumsum(np.any(own != 0.0, axis=1)) == 0
     slow, fast = _range(time, speed)
     nearest = np.clip(own[:, 0], moving[:, 0] - headway * fast, moving[:, 0] - headway * slow)
     far = np.hypot(own[:, 0] - nearest, own[:, 1] - moving[:, 1]) > ALLOWED
-    return np.where((far | silent)[:, None], commanded, own), far & ~silent
+    return np.where(far[:, None], commanded, own), far & ~silent
 
 
 def _range(time: Vector, speed: Vector) -> tuple[Vector, Vector]:
