@@ -18,6 +18,7 @@ from cosim.results import Results
 from cosim.run import Request, run
 from cosim.scenario import configured
 from cosim.scenarios import _platoon as platoon
+from cosim.scenarios import _platoon_metrics as figures
 from cosim.scenarios import load
 from cosim.scenarios._platoon_metrics import platoon_metrics, response_ratios
 
@@ -138,6 +139,11 @@ def test_a_sweep_cut_short_or_seen_unevenly_has_no_gains(drive: Drive, caplog: p
         caplog.clear()
         assert math.isfinite(platoon_metrics(seen)["string_gain_max"]) == known
         assert len(caplog.records) == (every > 1)
+
+
+@pytest.mark.parametrize(("step", "known"), [(0.02, True), (0.1, True), (0.06, False), (1.0, False), (70.0, False)])
+def test_rows_of_a_sweep_fill_its_period_evenly_and_often(step: float, known: bool) -> None:
+    assert figures._even(np.arange(30.0, 80.0 - 1e-6, step), 50.0) == known
 
 
 def test_a_car_alone_is_a_platoon(drive: Drive) -> None:
