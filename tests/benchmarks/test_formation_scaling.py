@@ -44,7 +44,7 @@ def test_formations_take_turns_of_equal_length(monkeypatch: pytest.MonkeyPatch) 
     assert ends == [5 * 64_000_000] * 2
     assert (run.cars, len(run.processor), len(run.wall), len(waits)) == (2, 3, 3, 4)
     assert min(run.processor) > 0.0
-    assert 30.0 < run.initialised <= run.memory < 2000.0
+    assert 30.0 < run.initialised <= run.memory + 2.0 < 2000.0, "Linux counts the two to within some pages"
 
 
 @pytest.mark.nightly
