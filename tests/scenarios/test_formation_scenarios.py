@@ -195,9 +195,9 @@ def test_a_headway_moves_the_places_back(tmp_path):
 
 
 def test_what_is_set_of_all_low_levels_reaches_those_who_assume_it():
-    system = configured(load("formation-constraint"), [("car*.llc.filter.speed", "30")])
-    assert system.instances["car1.hlc"].parameters["actuator.filter.speed"] == "30"
-    assert system.instances["car3.follower"].parameters["lead.speed"] == pytest.approx(3 / 30 + 0.010 + 0.001)
+    system = configured(load("formation-constraint"), [("car*.llc.filter.yaw_rate", "30")])
+    assert system.instances["car1.hlc"].parameters["actuator.filter.yaw_rate"] == "30"
+    assert system.instances["car3.follower"].parameters["lead.yaw_rate"] == pytest.approx(3 / 30 + 0.010 + 0.001)
     system = configured(load("formation-constraint"), [("car*.plant.yaw_rate.lag", "0.3"), LIGHT])
     assert system.instances["car3.follower"].parameters["lead.yaw_rate"] == pytest.approx(0.3 + 0.010)
 
