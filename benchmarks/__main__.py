@@ -23,7 +23,7 @@ from benchmarks import (
     qp_in_fmu,
     qp_solvers,
 )
-from cosim.scenarios._catalogue import fmu_path
+from scenarios.shared.catalogue import fmu_path
 
 Row = tuple[str, str, str, str]
 

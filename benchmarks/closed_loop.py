@@ -9,7 +9,7 @@ from statistics import median
 from typing import Any
 
 from cosim.run import Request, run
-from cosim.scenarios import load
+from scenarios import load
 
 ROUNDS = 7
 

@@ -23,7 +23,7 @@ import numpy as np
 
 from benchmarks.spread import spread
 from cosim.run import Request, run
-from cosim.scenarios import load
+from scenarios import load
 
 SIZES = (1, 2, 5, 10, 20, 50)
 ROUNDS = 3

@@ -15,9 +15,10 @@ import casadi as ca
 import numpy as np
 
 from benchmarks.spread import Spread, spread
-from fmukit.build import codegen, compiler
+from fmukit.compiling import compiler
 from fmukit.direct import Direct
 from fmukit.kernel import Kernel
+from fmukit.packaging import codegen
 from fmukit.reference_run import reference_run
 from fmus.controllers.mpc_allocator import COMPONENT
 

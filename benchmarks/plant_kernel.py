@@ -13,7 +13,7 @@ import casadi as ca
 import mujoco
 import numpy as np
 
-from fmukit.build import compiler
+from fmukit.compiling import compiler
 from fmukit.direct import Direct
 from fmus.vehicle16dof import COMPONENT, INTERFACE
 from fmus.vehicle16dof.states import CORNERS, Corner

@@ -15,7 +15,7 @@ import numpy as np
 
 from benchmarks.spread import Spread, microseconds, spread
 from cosim.run import Request, run
-from cosim.scenarios import load
+from scenarios import load
 
 ROUNDS = 5
 MEAN = {"solver": 1000.0, "allocation": 20.0}

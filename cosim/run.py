@@ -11,20 +11,20 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from cosim.advice import pass_on
-from cosim.assembly import Node, assemble, leave_out
-from cosim.clock import SECOND, nanoseconds, to_seconds
+from cosim.engine.advice import pass_on
+from cosim.engine.loader import Loader
+from cosim.engine.master import Master, Outcome
+from cosim.engine.schedule import Schedule, Scheme, schedule
+from cosim.engine.slave import Slave, SlaveError
 from cosim.errors import CosimError, because
-from cosim.loader import Loader
-from cosim.master import Master, Outcome
-from cosim.recorder import Recorder, recorded
-from cosim.results import Results, load_results
+from cosim.model.assembly import Node, assemble, leave_out
+from cosim.model.clock import SECOND, nanoseconds, to_seconds
+from cosim.model.system import System
+from cosim.results.reading import Results, load_results
+from cosim.results.recorder import Recorder, recorded
+from cosim.results.storage import PARQUET, STREAM
+from cosim.results.summary import SUMMARY, summarise, write_summary
 from cosim.scenario import Scenario, chosen, configured
-from cosim.schedule import Schedule, Scheme, schedule
-from cosim.slave import Slave, SlaveError
-from cosim.storage import PARQUET, STREAM
-from cosim.summary import SUMMARY, summarise, write_summary
-from cosim.system import System
 
 OVERVIEW = "overview.png"
 WRITTEN = (SUMMARY, OVERVIEW, PARQUET, STREAM)  # what a run leaves in its folder

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from cosim.errors import CosimError, unknown
-from cosim.results import Results
-from cosim.system import System
+from cosim.model.system import System
+from cosim.results.reading import Results
 
 Settings = Mapping[str, Any]
 """Values by the name of the setting: the text of a choice, the float of a number."""

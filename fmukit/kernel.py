@@ -10,13 +10,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import casadi as ca
 
 from fmukit.component import Component
 from fmukit.interface import Causality, Interface
-from fmukit.qp.solver import QpSolver
+
+if TYPE_CHECKING:
+    from fmukit.qp.solver import QpSolver
 
 __all__ = [
     "Component",

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from fmukit.build.compiler import host_platform
-from fmukit.build.python_module import library
+from fmukit.compiling.compiler import host_platform
+from fmukit.compiling.functions import library
 from fmukit.interface import Interface, Value, Variable
 from fmukit.python_kernel import PythonKernel
 
@@ -20,7 +20,7 @@ class Played:
 
     def __init__(self, kernel: PythonKernel, interface: Interface, overrides: Mapping[str, Value]) -> None:
         self._module = import_module(kernel.module)
-        paths = {name: str(library(kernel, name, host_platform())) for name in kernel.libraries}
+        paths = {name: str(library(functions, name, host_platform())) for name, functions in kernel.libraries.items()}
         self._tools = self._module.prepare(paths)
         self._parameters, self._inputs = interface.select("parameter"), interface.names("input")
         self._outputs, self._columns = interface.names("output"), len(interface.table.columns) if interface.table else 0

@@ -15,12 +15,12 @@ from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from fmukit.build.compiler import PLATFORMS
-from fmukit.build.errors import BuildError
+from fmukit.compiling.compiler import PLATFORMS
 from fmukit.component import Component
+from fmukit.conformance.command import check_command
+from fmukit.errors import BuildError
+from fmukit.hosting.command import PASS_ON, doctor_command, host_command
 from fmus import CATALOGUE
-from fmus.check_cli import check_command
-from fmus.host_cli import PASS_ON, doctor_command, host_command
 
 # Of the click inside typer, which has no public name for it.
 _UsageError: type[Exception] = typer.BadParameter.__mro__[1]
@@ -113,7 +113,7 @@ def _busy(name: str) -> Iterator[None]:
 def _build(component: Component, directory: Path, platforms: Sequence[str], bundle: bool) -> Path:
     # Where matplotlib cannot keep its own cache it says at length that it goes on without; the pictures are the same.
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
-    from fmukit.build.builder import build as build_fmu  # noqa: PLC0415 (imports casadi)
+    from fmukit.packaging.builder import build as build_fmu  # noqa: PLC0415 (imports casadi)
 
     return build_fmu(component, directory, platforms, bundle=bundle)
 

@@ -1,4 +1,4 @@
-"""The compiled solver that CasADi calls while a model runs in this process, kept in the user's cache."""
+"""The compiled solver that CasADi calls while a model runs in this process, kept in the user's store."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from hashlib import blake2b
 from pathlib import Path
 
-from fmukit.build import cache, compiler
+from fmukit import store
+from fmukit.compiling import compiler
 
 _SHOWN = """#if defined(_WIN32)
 #define API __declspec(dllexport)
@@ -25,7 +26,7 @@ def compiled(symbol: str, sources: Mapping[str, str], units: tuple[str, ...]) ->
     def make() -> bytes:
         return _compile(symbol, sources, units, platform)
 
-    return cache.kept(f"{symbol}-{_key(sources, platform)}", compiler.PLATFORMS[platform], make)
+    return store.kept(f"{symbol}-{_key(sources, platform)}", compiler.PLATFORMS[platform], make)
 
 
 def _key(sources: Mapping[str, str], platform: str) -> str:

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 
 import casadi as ca
 
+from fmukit.qp.codegen import COMMON, sources
+from fmukit.qp.library import compiled
 from fmukit.qp.settings import QpSettings
 
 _NAME = re.compile(r"[a-z][a-z0-9_]*")
@@ -34,16 +36,14 @@ def qp_solver(name: str, P: ca.Sparsity, A: ca.Sparsity, settings: QpSettings | 
     """A solver of min x'Px/2 + q'x, l <= Ax <= u; P (n x n) upper triangle, A (m x n).
 
     P and A are given as columns of their nonzeros in CasADi's order. Compiled once and kept in the user's cache.
-    Raises ValueError for patterns that do not fit, `fmukit.build.errors.BuildError` without a compiler.
+    Raises ValueError for patterns that do not fit, `fmukit.errors.BuildError` without a compiler.
     """
     _check(name, P, A)
     settings = settings or QpSettings()
-    from fmukit.qp import codegen, library  # noqa: PLC0415 (import osqp)
-
     symbol = f"qp_{name}"
-    texts = codegen.sources(symbol, P, A, settings)
-    units = (codegen.COMMON, f"{symbol}.c")
-    path = library.compiled(symbol, texts, units)
+    texts = sources(symbol, P, A, settings)
+    units = (COMMON, f"{symbol}.c")
+    path = compiled(symbol, texts, units)
     return QpSolver(name, P, A, settings, ca.external(symbol, str(path)), texts, units)
 
 

@@ -1,6 +1,6 @@
 """How time passes: a continuous kernel integrates the step it is given, a sampled one serves its own grid.
 
-Both `step` functions return the kernel's code: 0, or what went wrong (see `fmukit/build/shim.c`), or `TOO_LONG`.
+Both `step` functions return the kernel's code: 0, or what went wrong (see `fmukit/packaging/shim.c`), or `TOO_LONG`.
 """
 
 from __future__ import annotations

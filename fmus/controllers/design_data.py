@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from fmukit.interface import Variable, parameter
-from fmus.design import DESIGN
+from fmus.cars.nominal import DESIGN
 
 _TEXTS = {
     "mass": ("kg", "total mass"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fmus.design import DESIGN, DesignModel
+from fmus.cars.nominal import DESIGN, DesignModel
 from fmus.double_track import data
 from fmus.double_track.data import DoubleTrackCar
 from fmus.double_track.interface import INTERFACE

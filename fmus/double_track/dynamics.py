@@ -11,6 +11,7 @@ from typing import Any
 import casadi as ca
 
 from fmukit.kernel import Layout, Signals
+from fmus.cars.wheels import WHEELS
 from fmus.clip import clip
 from fmus.double_track import data
 from fmus.double_track.data import DoubleTrackCar
@@ -18,7 +19,6 @@ from fmus.double_track.model import wheel_loads
 from fmus.single_track import data as planar
 from fmus.single_track.forces import air_drag, ellipse, lateral, rolling_coefficient
 from fmus.vehicle16dof.friction import dry
-from fmus.wheels import WHEELS
 
 STATES = Layout(
     position=2,  # of O1 in the world

@@ -6,9 +6,9 @@ import casadi as ca
 
 from fmukit.interface import AXES
 from fmukit.kernel import Kernel, Layout, Signals, continuous_kernel, stack, symbols
+from fmus.cars.wheels import FRONT, WHEELS
 from fmus.double_track.dynamics import STATES, Motion, derivative, evaluate
 from fmus.double_track.interface import INTERFACE
-from fmus.wheels import FRONT, WHEELS
 
 _DERIVED = Layout()
 

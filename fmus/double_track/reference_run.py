@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fmukit.reference_run import ReferenceRun, rise
-from fmus.wheels import WHEELS
+from fmus.cars.wheels import WHEELS
 
 _DRIVE, _BRAKE, _STEER = 300.0, 500.0, 0.03
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import casadi as ca
 
 from fmukit.kernel import Layout, Signals
-from fmus.rotation import angle_rates
-from fmus.wheels import WHEELS
+from fmus.cars.rotation import angle_rates
+from fmus.cars.wheels import WHEELS
 
 STATE = Layout(roll=1, roll_bias=1, pitch=1, pitch_bias=1, roll_covariance=3, pitch_covariance=3)
 """phi, b_p, theta, b_q and the covariances (angle, angle-bias, bias) of each pair."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import casadi as ca
 
 from fmukit.kernel import Layout
+from fmus.cars.rotation import rotation_plane
 from fmus.estimator.navigation import BELIEF, PACKED, STAGE_1, STAGE_2, STATE, pack, quarter_turn, unpack
-from fmus.rotation import rotation_plane
 
 FIX = Layout(position=2, velocity=2, heading=1)
 LEVER = Layout(offset=2, velocity=2)

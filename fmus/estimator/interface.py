@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from fmukit.interface import AXES, Variable, group, input_, load_parameters, output, parameter, sampled
-from fmus.design import DESIGN
+from fmus.cars.nominal import DESIGN
+from fmus.cars.wheels import WHEELS
 from fmus.estimator.profiles import profile
 from fmus.sensors.gps.interface import gps_bus
-from fmus.wheels import WHEELS
 
 _SENSOR_DATA = {
     "noise.gyroscope": ("rad/s/sqrt(Hz)", "white noise density of the gyroscope"),

@@ -8,7 +8,7 @@ from __future__ import annotations
 import casadi as ca
 
 from fmukit.kernel import Layout
-from fmus.rotation import rotation_plane
+from fmus.cars.rotation import rotation_plane
 
 STATE = Layout(heading=1, gyroscope_bias=1, position=2, velocity=2, accelerometer_bias=2, gps_error=2)
 """psi [rad], b_g [rad/s] (stage 1); p [m] world, w [m/s] and b_a [m/s2] level, c [m] slow receiver error (stage 2)."""

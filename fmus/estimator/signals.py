@@ -6,13 +6,13 @@ import casadi as ca
 
 from fmukit.interface import AXES
 from fmukit.kernel import Layout, Signals, stack, symbols
+from fmus.cars.rotation import angle_rates, levelling, rotation_plane
+from fmus.cars.wheels import WHEELS
 from fmus.estimator import attitude
 from fmus.estimator.correction import FIX, LEVER, TRUST
 from fmus.estimator.history import ROW
 from fmus.estimator.interface import INTERFACE
 from fmus.estimator.navigation import BELIEF, PROCESS, READING, STATE, pack, unpack
-from fmus.rotation import angle_rates, levelling, rotation_plane
-from fmus.wheels import WHEELS
 
 SENSED = Layout(attitude=attitude.STATE.size, rate=3, level=READING.size, started=1)
 """Attitude filters, and what the previous sample read: body rate and levelled reading."""

@@ -9,10 +9,10 @@ from typing import Any
 
 import casadi as ca
 
-from fmukit.build import compiler, functions
-from fmukit.build.cache import kept
-from fmukit.build.errors import BuildError
+from fmukit.compiling import compiler, functions
+from fmukit.errors import BuildError
 from fmukit.python_kernel import nlp_functions
+from fmukit.store import kept
 from fmus.planner.program import Program
 
 

@@ -15,6 +15,7 @@ import numpy as np
 import osqp
 from scipy import sparse
 
+from fmus.cars.wheels import WHEELS
 from fmus.controllers.mpc_allocator.interface import INTERFACE
 from fmus.double_track import distribution
 from fmus.double_track.data import DoubleTrackCar
@@ -27,7 +28,6 @@ from fmus.planner.gates import Array
 from fmus.planner.hocp import Plan
 from fmus.single_track.data import Car
 from fmus.single_track.forces import STATES
-from fmus.wheels import WHEELS
 
 _Y = ("force_x", "force_y", "moment_z")
 COLUMNS = (

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
-from fmus.design import DESIGN, DesignModel
+from fmus.cars.nominal import DESIGN, DesignModel
 from fmus.planner.errors import PlanningError
 from fmus.planner.gates import Array
 from fmus.single_track import gear_shift, model

@@ -13,7 +13,7 @@ from scipy.optimize import least_squares
 
 from fmukit.interface import load_parameters
 from fmus import vehicle16dof
-from fmus.design import DESIGN, DesignModel
+from fmus.cars.nominal import DESIGN, DesignModel
 from fmus.single_track.data import Car, Tyre
 from fmus.vehicle16dof import magic
 

@@ -22,7 +22,7 @@ def rate(attitude: ca.SX, omega: ca.SX) -> ca.SX:
 
 
 def from_angles(roll: ca.SX, pitch: ca.SX, yaw: ca.SX) -> ca.SX:
-    """The quaternion of `fmus.rotation.body_to_world(roll, pitch, yaw)`."""
+    """The quaternion of `fmus.cars.rotation.body_to_world(roll, pitch, yaw)`."""
     (c_r, s_r), (c_p, s_p), (c_y, s_y) = ((ca.cos(a / 2), ca.sin(a / 2)) for a in (roll, pitch, yaw))
     return ca.vertcat(
         c_r * c_p * c_y + s_r * s_p * s_y,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from fmukit.interface import AXES, Variable, continuous, group, input_, load_parameters, output
-from fmus.wheels import FRONT, WHEELS
+from fmus.cars.wheels import FRONT, WHEELS
 
 MAX_SUBSTEP = 0.001
 

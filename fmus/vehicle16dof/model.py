@@ -6,13 +6,13 @@ import casadi as ca
 
 from fmukit.interface import AXES
 from fmukit.kernel import Kernel, Signals, continuous_kernel, stack, symbols
-from fmus.rotation import angles
+from fmus.cars.rotation import angles
+from fmus.cars.wheels import FRONT, WHEELS
 from fmus.vehicle16dof import start, static_equilibrium, tree
 from fmus.vehicle16dof.equations import Motion, derivative, evaluate
 from fmus.vehicle16dof.integration import rk4
 from fmus.vehicle16dof.interface import INTERFACE
 from fmus.vehicle16dof.states import DERIVED, STATES
-from fmus.wheels import FRONT, WHEELS
 
 
 def kernel() -> Kernel:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fmukit.reference_run import ReferenceRun, rise
-from fmus.wheels import FRONT, WHEELS
+from fmus.cars.wheels import FRONT, WHEELS
 
 _DRIVE, _BRAKE, _STEER = 400.0, 600.0, 25.0
 

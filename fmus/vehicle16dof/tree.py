@@ -13,7 +13,7 @@ from typing import Any
 import casadi as ca
 
 from fmukit.kernel import Signals
-from fmus.rotation import rotation_x, rotation_z
+from fmus.cars.rotation import rotation_x, rotation_z
 from fmus.vehicle16dof.states import CORNERS, Corner, symmetric, unsprung_mass, wheel_place
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from fmukit.build.cache import cached
+from fmukit.packaging.cached import cached
 from fmus.sensors import imu
 
 

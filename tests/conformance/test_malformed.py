@@ -13,9 +13,9 @@ import pytest
 from malformed import ESCAPE, MALFORMED
 from typer.testing import CliRunner
 
+from cosim.engine.loader import Loader
 from cosim.errors import CosimError
-from cosim.loader import Loader
-from cosim.system import System
+from cosim.model.system import System
 from fmukit.conformance.check import check
 from fmus.cli import app
 

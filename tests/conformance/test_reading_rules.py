@@ -8,10 +8,10 @@ import everything
 import pytest
 from broken import BROKEN, Broken
 
-from fmukit.build.cache import cached
 from fmukit.component import Component
 from fmukit.conformance.check import READING, VITAL, check
 from fmukit.conformance.pytest_helper import assert_conformant
+from fmukit.packaging.cached import cached
 from fmus import CATALOGUE
 
 

@@ -9,9 +9,9 @@ from time import monotonic
 
 import pytest
 
-from fmukit.build.cache import cached
 from fmukit.component import Component
 from fmukit.conformance.running import run_groups
+from fmukit.packaging.cached import cached
 from fmus import CATALOGUE, vehicle16dof
 
 _LIVES = """

@@ -12,9 +12,9 @@ from fmukit.component import Component
 from fmukit.direct import Direct
 from fmukit.kernel import Kernel
 from fmus import double_track
+from fmus.cars.wheels import WHEELS
 from fmus.controllers import mpc_allocator, reference
 from fmus.planner import plans, trajectory
-from fmus.wheels import WHEELS
 
 PERIOD = 0.02
 Hook = Callable[[float, Direct, Direct], None]

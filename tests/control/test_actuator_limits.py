@@ -8,10 +8,10 @@ import pytest
 
 from fmukit.direct import Direct
 from fmukit.kernel import Kernel
+from fmus.cars.nominal import DESIGN
+from fmus.cars.wheels import WHEELS
 from fmus.controllers.low_level_pid import COMPONENT, steering
 from fmus.controllers.low_level_pid.model import STATES
-from fmus.design import DESIGN
-from fmus.wheels import WHEELS
 
 WEIGHT = DESIGN.mass * DESIGN.gravity
 R = DESIGN.loaded_radius

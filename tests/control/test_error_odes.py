@@ -8,9 +8,9 @@ from scipy.linalg import expm
 
 from fmukit.direct import Direct
 from fmukit.kernel import Kernel
+from fmus.cars.nominal import DESIGN
+from fmus.cars.wheels import WHEELS
 from fmus.controllers.low_level_pid import COMPONENT
-from fmus.design import DESIGN
-from fmus.wheels import WHEELS
 
 T = 1e-3
 X = np.array([DESIGN.l_f, DESIGN.l_f, -DESIGN.l_r, -DESIGN.l_r])

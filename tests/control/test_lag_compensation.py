@@ -8,9 +8,9 @@ import pytest
 from scipy.linalg import expm
 
 from fmukit.direct import Direct
+from fmus.cars.nominal import DESIGN
 from fmus.controllers.high_level_lqr import COMPONENT, lag, leads, tracking
 from fmus.controllers.high_level_lqr.interface import INTERFACE
-from fmus.design import DESIGN
 
 T = 0.05
 PARAMETERS = {v.name: float(v.start) for v in INTERFACE.select("parameter")}

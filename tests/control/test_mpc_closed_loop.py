@@ -7,8 +7,8 @@ import pytest
 from mpc_loop import PERIOD, Loop, driven, lane_change, lost, pushed, rms, steady
 
 from fmukit.direct import Direct
+from fmus.cars.wheels import WHEELS
 from fmus.controllers.mpc_allocator.interface import INTERFACE
-from fmus.wheels import WHEELS
 
 _CORRIDOR = 0.1  # m, the controller's half width
 _START = {variable.name: float(variable.start) for variable in INTERFACE.select("parameter")}

@@ -11,10 +11,10 @@ from mpc_loop import PERIOD, Loop, driven, kernel, lane_change, steady
 
 from fmukit.direct import Direct
 from fmukit.kernel import Kernel
+from fmus.cars.wheels import WHEELS
 from fmus.controllers import mpc_allocator
 from fmus.controllers.mpc_allocator import model, programs
 from fmus.controllers.mpc_allocator.interface import INTERFACE
-from fmus.wheels import WHEELS
 
 _START = {variable.name: float(variable.start) for variable in INTERFACE.select("parameter")}
 _ESTIMATE = [name for name in INTERFACE.names("input") if name.startswith("estimate.")]

@@ -8,9 +8,9 @@ import pytest
 from mpc_loop import Array, Hook, Loop, driven, lane_change
 
 from fmukit.direct import Direct
+from fmus.cars.wheels import WHEELS
 from fmus.controllers.mpc_allocator import memory
 from fmus.controllers.mpc_allocator.interface import INTERFACE
-from fmus.wheels import WHEELS
 
 _START = {variable.name: float(variable.start) for variable in INTERFACE.select("parameter")}
 

@@ -8,10 +8,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from fmukit.direct import Direct
+from fmus.cars.nominal import DESIGN
 from fmus.controllers.high_level_lqr import COMPONENT, leads
 from fmus.controllers.low_level_pid import COMPONENT as LOW_LEVEL
 from fmus.controllers.reference import COMPONENT as REFERENCE
-from fmus.design import DESIGN
 
 M, I_ZZ, C_F, C_R = DESIGN.mass, DESIGN.yaw_inertia, DESIGN.cornering_front, DESIGN.cornering_rear
 L_F, L_R = DESIGN.l_f - DESIGN.pneumatic_trail, DESIGN.l_r + DESIGN.pneumatic_trail

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from cosim.assembly import Node, assemble
-from cosim.clock import SECOND
-from cosim.face import Face, Port, Value
-from cosim.master import Master, Outcome
-from cosim.schedule import Scheme, schedule
-from cosim.slave import Calls, Memory, SlaveError
-from cosim.system import System
-from cosim.units import Unit
+from cosim.engine.master import Master, Outcome
+from cosim.engine.schedule import Scheme, schedule
+from cosim.engine.slave import Calls, Memory, SlaveError
+from cosim.model.assembly import Node, assemble
+from cosim.model.clock import SECOND
+from cosim.model.face import Face, Port, Value
+from cosim.model.system import System
+from cosim.model.units import Unit
 
 Step = Callable[[float, float, dict[str, float]], "dict[str, float] | int"]
 

@@ -3,11 +3,11 @@
 import pytest
 from cosim_mocks import RADIAN, UNITS, face
 
-from cosim.assembly import assemble, derived_seed, leave_out
 from cosim.errors import CosimError
-from cosim.face import Face, Port
-from cosim.system import System, parse_assignments
-from cosim.units import Unit, conversion
+from cosim.model.assembly import assemble, derived_seed, leave_out
+from cosim.model.face import Face, Port
+from cosim.model.system import System, parse_assignments
+from cosim.model.units import Unit, conversion
 
 GAIN = Port("gain", 0, "parameter", unit="s", minimum=0.0, maximum=5.0)
 SWITCH = Port("active", 0, "parameter", "Boolean")

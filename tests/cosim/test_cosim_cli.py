@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from cosim import scenarios
-from cosim.cli import main
-from cosim.results import load_results
+import scenarios
+from cosim.command.main import main
+from cosim.model.system import System
+from cosim.results.reading import load_results
 from cosim.scenario import NumberSetting, Scenario, Setting
-from cosim.system import System
 
 SUMMARY = {
     "scenario": str,

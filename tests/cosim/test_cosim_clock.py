@@ -1,7 +1,7 @@
 import pytest
 
-from cosim.clock import base_tick, hyperperiod, nanoseconds, to_seconds
 from cosim.errors import CosimError
+from cosim.model.clock import base_tick, hyperperiod, nanoseconds, to_seconds
 
 
 @pytest.mark.parametrize(

@@ -13,17 +13,17 @@ from pathlib import Path
 import pytest
 from cosim_mocks import Mock, face
 
-from cosim import recorder, storage, summary
-from cosim.assembly import assemble
+from cosim.engine.schedule import schedule
 from cosim.errors import CosimError, because, unknown
-from cosim.results import load_results
+from cosim.model.assembly import assemble
+from cosim.model.system import System
+from cosim.results import recorder, storage, summary
+from cosim.results.reading import load_results
 from cosim.run import Plan, Request, execute, run
 from cosim.scenario import Scenario
-from cosim.scenarios import _catalogue
-from cosim.scenarios._start import _first_row
-from cosim.schedule import schedule
-from cosim.system import System
 from fmukit.archive import ArchiveError, unpack
+from scenarios.shared import catalogue
+from scenarios.shared.start import _first_row
 
 FULL = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 ROOT = Path(__file__).parents[2]
@@ -121,8 +121,8 @@ def test_a_later_run_never_mixes_with_an_earlier_one(tank, tmp_path, monkeypatch
 
 
 def test_the_command_says_when_the_picture_cannot_be_drawn(tmp_path, capsys):
-    from cosim.cli import _draw  # noqa: PLC0415
-    from cosim.scenarios import load  # noqa: PLC0415
+    from cosim.command.main import _draw  # noqa: PLC0415
+    from scenarios import load  # noqa: PLC0415
 
     class Two:
         time = (0, 1)
@@ -137,9 +137,9 @@ def test_the_command_says_when_the_picture_cannot_be_drawn(tmp_path, capsys):
 
 
 def test_the_last_resort_is_one_sentence(monkeypatch, capsys):
-    from cosim import cli  # noqa: PLC0415
+    from cosim.command import main as cli  # noqa: PLC0415
 
-    monkeypatch.setattr("cosim.cli.app", fail)
+    monkeypatch.setattr("cosim.command.main.app", fail)
     with pytest.raises(SystemExit) as end:
         cli.main()
     assert (end.value.code, capsys.readouterr().err) == (1, "cosim: No space left on device\n")
@@ -148,13 +148,13 @@ def test_the_last_resort_is_one_sentence(monkeypatch, capsys):
 def test_an_unwritable_cache(monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", "/proc/nope")
     with pytest.raises(CosimError, match=r"cannot build Imu: the cache folder /proc/nope.*XDG_CACHE_HOME"):
-        _catalogue.fmu_path("Imu")
+        catalogue.fmu_path("Imu")
 
 
 def test_a_cache_that_fills_up(monkeypatch):
-    monkeypatch.setattr("fmukit.build.cache.cached", fail)
+    monkeypatch.setattr("fmukit.packaging.cached.cached", fail)
     with pytest.raises(CosimError, match=r"cannot keep the built Imu in .*: No space left on device; make room there"):
-        _catalogue.fmu_path("Imu")
+        catalogue.fmu_path("Imu")
 
 
 def test_unpacking_onto_a_full_disk_is_not_the_fault_of_the_archive(tmp_path):

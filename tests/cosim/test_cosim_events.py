@@ -13,18 +13,20 @@ import pytest
 from cosim_mocks import Mock, face, simulate
 from lxml import etree
 
-from cosim import cli, display, scenarios
-from cosim.assembly import assemble
-from cosim.clock import SECOND
+import scenarios
+from cosim.command import display
+from cosim.command import main as cli
+from cosim.command.explain import explanation
+from cosim.engine.schedule import schedule
 from cosim.errors import CosimError
-from cosim.explain import explanation
-from cosim.face import Port
-from cosim.results import load_results
+from cosim.model.assembly import assemble
+from cosim.model.clock import SECOND
+from cosim.model.face import Port
+from cosim.model.system import System, parse_events
+from cosim.results.reading import load_results
 from cosim.run import Plan, Request, run
 from cosim.scenario import Scenario
-from cosim.schedule import schedule
-from cosim.ssp import COSIM, SSD, export
-from cosim.system import System, parse_events
+from cosim.ssp.export import COSIM, SSD, export
 
 LIMITED = Port("valve", 0, "input", minimum=0.0, maximum=1.0, unit="m", start=0.125)
 

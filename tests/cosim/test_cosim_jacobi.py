@@ -5,11 +5,11 @@ from itertools import pairwise
 import pytest
 from cosim_mocks import Mock, face, simulate
 
-from cosim.assembly import assemble
+from cosim.engine.schedule import schedule
 from cosim.errors import CosimError
+from cosim.model.assembly import assemble
+from cosim.model.system import System
 from cosim.run import Plan
-from cosim.schedule import schedule
-from cosim.system import System
 
 
 def loop(*, slow=0.02):
@@ -67,7 +67,7 @@ def test_one_step_for_all():
 
 
 def test_explain_shows_that_all_step_together():
-    from cosim.explain import explanation  # noqa: PLC0415  (needs nothing else of this module)
+    from cosim.command.explain import explanation  # noqa: PLC0415  (needs nothing else of this module)
     from cosim.scenario import Scenario  # noqa: PLC0415
 
     system, mocks = loop()

@@ -4,9 +4,9 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from cosim.results import Results
-from cosim.scenarios._tracking_metrics import longest_saturation, tracking_metrics
-from cosim.scenarios._tracking_overview import footprints
+from cosim.results.reading import Results
+from scenarios.shared.tracking_errors import longest_saturation, tracking_metrics
+from scenarios.tracking.picture import footprints
 
 TIME = np.arange(1001) / 1000
 COURSE = 0.3

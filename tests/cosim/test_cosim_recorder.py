@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from pyarrow import parquet
 
+from cosim.engine.master import Signal
 from cosim.errors import CosimError
-from cosim.master import Signal
-from cosim.recorder import Recorder, recorded
-from cosim.results import load_results
-from cosim.storage import PARQUET, STREAM, _group_rows
+from cosim.results.reading import load_results
+from cosim.results.recorder import Recorder, recorded
+from cosim.results.storage import PARQUET, STREAM, _group_rows
 
 SIGNALS = [Signal("plant", "y", "m"), Signal("reference", "preview[3].speed", "m/s"), Signal("llc", "u", None)]
 
@@ -67,9 +67,9 @@ def test_more_often_than_there_are_ticks_is_every_tick(tmp_path):
 
 def test_wide_rows_and_many_row_groups(tmp_path, monkeypatch):
     """Chunks get shorter as rows get wider; row groups have equally many rows whatever the chunks were."""
-    monkeypatch.setattr("cosim.recorder._VALUES", 4000)
-    monkeypatch.setattr("cosim.storage._GROUP", 50_000)
-    monkeypatch.setattr("cosim.storage._OVERHEAD", 0)
+    monkeypatch.setattr("cosim.results.recorder._VALUES", 4000)
+    monkeypatch.setattr("cosim.results.storage._GROUP", 50_000)
+    monkeypatch.setattr("cosim.results.storage._OVERHEAD", 0)
     signals = [Signal(f"car{k}", "x", "m") for k in range(999)]
     vector = np.zeros(1000)
     recorder = Recorder(tmp_path, vector, signals, recorded(signals))
@@ -122,8 +122,8 @@ _ENDLESS = """
 import sys, time
 from pathlib import Path
 import numpy as np
-from cosim.master import Signal
-from cosim.recorder import Recorder
+from cosim.engine.master import Signal
+from cosim.results.recorder import Recorder
 vector = np.zeros(2)
 recorder = Recorder(Path(sys.argv[1]), vector, [Signal("plant", "y", "m")], [0])
 for k in range(10**9):
@@ -158,7 +158,7 @@ def test_a_killed_run_keeps_what_it_had(tmp_path):
 
 def test_a_slow_run_is_flushed_by_the_clock(tmp_path, monkeypatch):
     now = [0.0]
-    monkeypatch.setattr("cosim.recorder.monotonic", lambda: now[0])
+    monkeypatch.setattr("cosim.results.recorder.monotonic", lambda: now[0])
     recorder = Recorder(tmp_path, np.zeros(4), SIGNALS, [0])
     recorder()
     recorder.keep()

@@ -6,13 +6,13 @@ import signal
 import pytest
 from cosim_mocks import Mock, face
 
-from cosim.assembly import assemble
-from cosim.explain import explanation
-from cosim.results import load_results
+from cosim.command.explain import explanation
+from cosim.engine.schedule import schedule
+from cosim.model.assembly import assemble
+from cosim.model.system import System
+from cosim.results.reading import load_results
 from cosim.run import Plan, execute
 from cosim.scenario import Scenario
-from cosim.schedule import schedule
-from cosim.system import System
 
 
 def plan_of(system: System, mocks: dict[str, Mock], stop: int = 10**9) -> Plan:

@@ -2,9 +2,9 @@ from random import Random
 
 from cosim_mocks import face
 
-from cosim.assembly import assemble
-from cosim.schedule import active_ticks, schedule
-from cosim.system import System
+from cosim.engine.schedule import active_ticks, schedule
+from cosim.model.assembly import assemble
+from cosim.model.system import System
 
 
 def chain(edges, periods, continuous=()):

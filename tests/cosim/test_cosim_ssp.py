@@ -8,13 +8,13 @@ import pytest
 from cosim_mocks import face
 from lxml import etree
 
-from cosim.assembly import assemble
 from cosim.errors import CosimError
-from cosim.face import Port
+from cosim.model.assembly import assemble
+from cosim.model.face import Port
+from cosim.model.system import System
 from cosim.run import Request
 from cosim.scenario import Scenario
-from cosim.ssp import SSC, SSD, SSV, Model, export, structure, values
-from cosim.system import System
+from cosim.ssp.export import SSC, SSD, SSV, Model, export, structure, values
 
 NAMES = {"ssd": SSD, "ssc": SSC, "ssv": SSV}
 
@@ -125,7 +125,8 @@ def test_a_file_that_cannot_be_written(tank, tmp_path):
 
 
 def test_the_command(monkeypatch, tmp_path, capsys):
-    from cosim import cli, scenarios  # noqa: PLC0415
+    import scenarios  # noqa: PLC0415
+    from cosim.command import main as cli  # noqa: PLC0415
 
     monkeypatch.setattr("sys.argv", ["cosim", "export", "lateral-tracking", "-o", str(tmp_path / "l.ssp")])
     with pytest.raises(SystemExit) as end:

@@ -9,9 +9,9 @@ import pytest
 
 from fmukit.direct import Direct
 from fmus import double_track, vehicle16dof
-from fmus.design import DESIGN
+from fmus.cars.nominal import DESIGN
+from fmus.cars.wheels import FRONT, WHEELS
 from fmus.double_track.design import from_design
-from fmus.wheels import FRONT, WHEELS
 
 BOTH = {"roll", "pitch", "yaw", "sideslip", "fault"}
 

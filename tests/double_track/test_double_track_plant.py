@@ -12,8 +12,8 @@ from scipy.integrate import solve_ivp
 
 from fmukit.direct import Direct
 from fmukit.kernel import Kernel
+from fmus.cars.wheels import WHEELS
 from fmus.double_track import COMPONENT, data, model
-from fmus.wheels import WHEELS
 
 CAR = data.car()
 P = CAR.planar

@@ -10,7 +10,7 @@ import demo_spring
 import pytest
 from fmu_driver import Instance
 
-from fmukit.build.builder import build
+from fmukit.packaging.builder import build
 
 
 @pytest.fixture(scope="session")

@@ -13,8 +13,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from fmukit.interface import AXES, Interface
+from fmus.cars.wheels import FRONT, WHEELS
 from fmus.controllers.bus import PREVIEW, PREVIEW_PERIOD
-from fmus.wheels import FRONT, WHEELS
 
 Values = dict[str, float]
 

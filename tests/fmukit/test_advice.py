@@ -9,8 +9,8 @@ import demo_advice
 import pytest
 from fmu_driver import Instance
 
-from fmukit.build.builder import build
 from fmukit.interface import Advice, output, parameter, sampled
+from fmukit.packaging.builder import build
 
 WARNING = "threshold = 1.25 is 100 %% below 1.5; raise it"
 Advise = Callable[[], Instance]

@@ -19,9 +19,11 @@ import fmpy.validation
 import pytest
 
 import fmukit
-from fmukit.build import cache, compiler
-from fmukit.build.builder import build
-from fmukit.build.errors import BuildError
+from fmukit import store
+from fmukit.compiling import compiler
+from fmukit.errors import BuildError
+from fmukit.packaging.builder import build
+from fmukit.packaging.cached import cached
 
 ROOT = Path(__file__).parents[2]
 
@@ -129,12 +131,12 @@ def test_guid_and_package_follow_the_contents(demo_folder: Path) -> None:
 
 
 def test_cached_fmu_is_reused_and_needs_no_casadi(tmp_path: Path) -> None:
-    built = cache.cached(demo_spring.COMPONENT, tmp_path)
+    built = cached(demo_spring.COMPONENT, tmp_path)
     stamp = built.stat().st_mtime_ns
     program = (
         "import json, sys\n"
         "from pathlib import Path\n"
-        "from fmukit.build.cache import cached\n"
+        "from fmukit.packaging.cached import cached\n"
         "from fmukit.component import Component\n"
         "from fmukit.interface import Interface, Variable, Table\n"
         "from math import inf\n"
@@ -169,18 +171,18 @@ def _empty(path: Path) -> None:
 
 @pytest.mark.parametrize("damage", [_cut, _flip, _empty])
 def test_damaged_fmu_in_the_cache_is_built_anew(tmp_path: Path, damage: Callable[[Path], None]) -> None:
-    good = cache.cached(demo_spring.COMPONENT, tmp_path)
+    good = cached(demo_spring.COMPONENT, tmp_path)
     data = good.read_bytes()
     damage(good)
-    assert cache.cached(demo_spring.COMPONENT, tmp_path) == good
+    assert cached(demo_spring.COMPONENT, tmp_path) == good
     assert good.read_bytes() == data
 
 
 def test_cache_that_cannot_be_written_is_one_sentence_with_the_remedy(tmp_path: Path) -> None:
     folder = tmp_path / "file" / "cache"
     folder.parent.write_text("in the way")
-    with pytest.raises(BuildError, match=r"cache folder .*file/cache.* cannot be written \(.+\); .*XDG_CACHE_HOME"):
-        cache.cached(demo_spring.COMPONENT, folder)
+    with pytest.raises(BuildError, match=r"cache folder .*file/store.* cannot be written \(.+\); .*XDG_CACHE_HOME"):
+        cached(demo_spring.COMPONENT, folder)
 
 
 @pytest.mark.parametrize(("chosen", "status"), [("false", 1), ("true", 0)])
@@ -216,15 +218,15 @@ def test_cache_forgets_what_is_a_month_old(tmp_path: Path) -> None:
         made.mkdir()
     for made in (old, other):
         os.utime(made, (1e9, 1e9))
-    cache.cached(demo_spring.COMPONENT, tmp_path)
+    cached(demo_spring.COMPONENT, tmp_path)
     assert not old.exists()
     assert young.exists()
     assert other.exists()
 
 
 def test_an_fmu_in_daily_use_is_never_forgotten(tmp_path: Path) -> None:
-    used = cache.cached(demo_spring.COMPONENT, tmp_path)
+    used = cached(demo_spring.COMPONENT, tmp_path)
     os.utime(used.parent, (1e9, 1e9))
-    assert cache.cached(demo_spring.COMPONENT, tmp_path) == used
-    cache.prune(tmp_path / "DemoSpring-another")
+    assert cached(demo_spring.COMPONENT, tmp_path) == used
+    store.prune(tmp_path / "DemoSpring-another")
     assert used.is_file()

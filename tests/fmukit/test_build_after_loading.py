@@ -19,7 +19,7 @@ instance = Instance(source, folder / "unpacked").initialise()
 assert str(folder) in sys.modules["pythonfmu"].__file__, sys.modules["pythonfmu"].__file__
 shutil.rmtree(folder / "unpacked")
 import demo_filter
-from fmukit.build.builder import build
+from fmukit.packaging.builder import build
 
 build(demo_filter.COMPONENT, folder)
 """

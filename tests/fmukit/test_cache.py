@@ -9,8 +9,8 @@ from time import time
 
 import pytest
 
-from fmukit.build import cache, files
-from fmukit.build.errors import BuildError
+from fmukit import files, store
+from fmukit.errors import BuildError
 
 DATA = bytes(range(256)) * 16
 LONG_AGO = time() - 40 * 24 * 3600
@@ -18,7 +18,7 @@ LONG_AGO = time() - 40 * 24 * 3600
 
 @pytest.fixture
 def root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setattr(cache, "cache_folder", lambda: tmp_path)
+    monkeypatch.setattr(store, "cache_folder", lambda: tmp_path)
     return tmp_path
 
 
@@ -27,10 +27,10 @@ def _refuse() -> bytes:
 
 
 def test_it_is_made_once(root: Path) -> None:
-    path = cache.kept("thing-1", "thing.so", lambda: DATA)
+    path = store.kept("thing-1", "thing.so", lambda: DATA)
     assert path == root / "thing-1" / "thing.so"
-    assert cache.kept("thing-1", "thing.so", _refuse) == path
-    assert cache.kept("thing-2", "thing.so", lambda: b"other").read_bytes() == b"other"
+    assert store.kept("thing-1", "thing.so", _refuse) == path
+    assert store.kept("thing-2", "thing.so", lambda: b"other").read_bytes() == b"other"
     assert path.read_bytes() == DATA
 
 
@@ -47,20 +47,20 @@ def test_it_is_made_once(root: Path) -> None:
     ids=["cut", "changed", "empty", "gone", "sum gone", "sum empty"],
 )
 def test_what_is_damaged_is_made_anew(root: Path, damage: Callable[[Path], object]) -> None:
-    path = cache.kept("thing-1", "thing.so", lambda: DATA)
+    path = store.kept("thing-1", "thing.so", lambda: DATA)
     damage(path)
-    assert cache.kept("thing-1", "thing.so", lambda: DATA).read_bytes() == DATA
-    assert cache.kept("thing-1", "thing.so", _refuse) == path
+    assert store.kept("thing-1", "thing.so", lambda: DATA).read_bytes() == DATA
+    assert store.kept("thing-1", "thing.so", _refuse) == path
 
 
 def test_what_is_in_use_stays_for_longer_than_a_month(root: Path) -> None:
-    used, unused = (cache.kept(f"thing-{i}", "thing.so", lambda: DATA) for i in "ab")
-    foreign = cache.kept("another-a", "thing.so", lambda: DATA)
+    used, unused = (store.kept(f"thing-{i}", "thing.so", lambda: DATA) for i in "ab")
+    foreign = store.kept("another-a", "thing.so", lambda: DATA)
     for path in (used, unused, foreign):
         os.utime(path, (LONG_AGO, LONG_AGO))
         os.utime(path.parent, (LONG_AGO, LONG_AGO))
-    cache.kept("thing-a", "thing.so", _refuse)
-    cache.kept("thing-c", "thing.so", lambda: DATA)
+    store.kept("thing-a", "thing.so", _refuse)
+    store.kept("thing-c", "thing.so", lambda: DATA)
     assert used.is_file()
     assert not unused.parent.exists()
     assert foreign.is_file()
@@ -73,7 +73,7 @@ def test_another_process_may_remove_the_same_at_the_same_time(root: Path) -> Non
         folder.with_name(f"thing-gone{i}").symlink_to("nothing")
         folder.mkdir()
         os.utime(folder, (LONG_AGO, LONG_AGO))
-    assert cache.kept("thing-2", "thing.so", lambda: DATA).read_bytes() == DATA
+    assert store.kept("thing-2", "thing.so", lambda: DATA).read_bytes() == DATA
     assert not any(folder.exists() for folder in old)
 
 
@@ -83,8 +83,8 @@ def test_what_cannot_be_removed_does_not_spoil_what_was_made(root: Path, monkeyp
 
     (root / "thing-1").mkdir()
     os.utime(root / "thing-1", (LONG_AGO, LONG_AGO))
-    monkeypatch.setattr(cache, "rmtree", refuse)
-    assert cache.kept("thing-2", "thing.so", lambda: DATA).read_bytes() == DATA
+    monkeypatch.setattr(store, "rmtree", refuse)
+    assert store.kept("thing-2", "thing.so", lambda: DATA).read_bytes() == DATA
 
 
 def test_a_disk_that_fills_up_is_one_sentence_and_leaves_no_half_file(
@@ -95,11 +95,11 @@ def test_a_disk_that_fills_up_is_one_sentence_and_leaves_no_half_file(
 
     monkeypatch.setattr(files.os, "replace", full)
     with pytest.raises(BuildError, match=r"^the cache folder .* \(No space left on device\); .*XDG_CACHE_HOME$"):
-        cache.kept("thing-1", "thing.so", lambda: DATA)
+        store.kept("thing-1", "thing.so", lambda: DATA)
     assert list((root / "thing-1").iterdir()) == []
 
 
 def test_a_folder_that_cannot_be_written_is_told_before_the_work(root: Path) -> None:
     (root / "thing-1").write_text("in the way")
     with pytest.raises(BuildError, match=r"^the cache folder .*thing-1 cannot be written .*XDG_CACHE_HOME$"):
-        cache.kept("thing-1", "thing.so", _refuse)
+        store.kept("thing-1", "thing.so", _refuse)

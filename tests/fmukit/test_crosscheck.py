@@ -13,12 +13,12 @@ import fmpy.util
 import numpy as np
 import pytest
 
-from fmukit.build import crosscheck
-from fmukit.build.builder import build
-from fmukit.build.cache import cached
-from fmukit.build.errors import BuildError
-from fmukit.build.recording import Recording, recorded
 from fmukit.component import Component
+from fmukit.errors import BuildError
+from fmukit.packaging import crosscheck
+from fmukit.packaging.builder import build
+from fmukit.packaging.cached import cached
+from fmukit.packaging.recording import Recording, recorded
 from fmukit.reference_run import ReferenceRun
 from fmus import CATALOGUE
 

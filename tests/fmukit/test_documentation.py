@@ -14,13 +14,13 @@ import demo_spring
 import matplotlib as mpl
 import pytest
 
-from fmukit.build import pictures
-from fmukit.build.cache import cached
-from fmukit.build.documentation import documents
-from fmukit.build.page import page
-from fmukit.build.recording import record
-from fmukit.build.sources import component_folder
 from fmukit.component import Component
+from fmukit.packaging import pictures
+from fmukit.packaging.cached import cached
+from fmukit.packaging.documentation import documents
+from fmukit.packaging.page import page
+from fmukit.packaging.recording import record
+from fmukit.packaging.sources import component_folder
 from fmukit.reference_run import ReferenceRun, reference_run
 from fmus import CATALOGUE
 from fmus.sensors import imu

@@ -16,10 +16,10 @@ import pytest
 from fmu_driver import Instance
 from regimes import Values, regime
 
-from fmukit.build.cache import cached
 from fmukit.component import Component
 from fmukit.direct import Direct
 from fmukit.interface import Interface
+from fmukit.packaging.cached import cached
 from fmus import CATALOGUE
 
 Make = Callable[[Component], Instance]

@@ -15,8 +15,8 @@ import demo_spring
 import pytest
 from fmu_driver import Instance
 
-from fmukit.build.builder import build
 from fmukit.component import Component
+from fmukit.packaging.builder import build
 
 _RUN = """
 import json, sys

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from fmukit.build.builder import library
-from fmukit.build.codegen import generate
-from fmukit.build.compiler import host_platform
+from fmukit.compiling.compiler import host_platform
 from fmukit.direct import normals
+from fmukit.packaging.builder import library
+from fmukit.packaging.codegen import generate
 
 Draw = Callable[[int, int, int], np.ndarray]
 

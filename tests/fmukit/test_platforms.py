@@ -21,10 +21,10 @@ import numpy as np
 import pe_file
 import pytest
 
-from fmukit.build import compiler
-from fmukit.build.builder import build, library
-from fmukit.build.codegen import generate
+from fmukit.compiling import compiler
 from fmukit.component import Component
+from fmukit.packaging.builder import build, library
+from fmukit.packaging.codegen import generate
 from fmukit.python_kernel import PythonKernel
 from fmus import CATALOGUE
 

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 from fmu_driver import Instance
 
-from fmukit.build.builder import build
 from fmukit.conformance.pytest_helper import assert_conformant
 from fmukit.conformance.running import run_groups
 from fmukit.direct import Direct
+from fmukit.packaging.builder import build
 
 Make = Callable[[], Instance]
 STEP = demo_search.INTERFACE.step

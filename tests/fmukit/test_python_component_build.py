@@ -15,14 +15,16 @@ import pe_file
 import pytest
 from demo_search import model
 
-from fmukit.build import cache, compiler
-from fmukit.build.builder import build
-from fmukit.build.crosscheck import bundle
-from fmukit.build.errors import BuildError
-from fmukit.build.python_module import files, library, modules
-from fmukit.build.recording import record
-from fmukit.build.sources import fingerprint
+from fmukit import store
+from fmukit.compiling import compiler
+from fmukit.compiling.functions import library
 from fmukit.component import Component
+from fmukit.errors import BuildError
+from fmukit.packaging.builder import build
+from fmukit.packaging.crosscheck import bundle
+from fmukit.packaging.python_module import files, modules
+from fmukit.packaging.recording import record
+from fmukit.packaging.sources import fingerprint
 from fmukit.python_kernel import PythonKernel, packages
 from fmukit.reference_run import ReferenceRun
 
@@ -84,9 +86,9 @@ def _package(file: Path) -> str:
 
 @pytest.mark.parametrize("share", [0.5, 0.97])
 def test_a_damaged_library_does_not_travel(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, share: float) -> None:
-    monkeypatch.setattr(cache, "cache_folder", lambda: tmp_path)
+    monkeypatch.setattr(store, "cache_folder", lambda: tmp_path)
     kernel, platform = demo_search.COMPONENT.kernel(), compiler.host_platform()
-    path = library(kernel, "hyperbola", platform)
+    path = library(kernel.libraries["hyperbola"], "hyperbola", platform)
     data = path.read_bytes()
     path.write_bytes(data[: int(share * len(data))])
     assert files(kernel, [platform])[0]["hyperbola.so"] == data

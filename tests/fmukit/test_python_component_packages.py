@@ -12,7 +12,7 @@ import demo_search
 import demo_spring
 import pytest
 
-from fmukit.build.builder import build
+from fmukit.packaging.builder import build
 
 _RUN = """
 import json, sys

@@ -13,8 +13,8 @@ from demo_programs import plan_problem, spread_problem
 from scipy import sparse
 from scipy.optimize import linprog, lsq_linear
 
-from fmukit.build import cache
-from fmukit.build.errors import BuildError
+from fmukit import store
+from fmukit.errors import BuildError
 from fmukit.qp import QpSettings, QpSolver, codegen, library, qp_solver
 
 EXACT = QpSettings(absolute=1e-9, relative=0.0, iterations=20000)
@@ -276,7 +276,7 @@ def test_time_is_given_when_asked_for(plan: QpSolver) -> None:
 def test_a_damaged_library_is_compiled_anew_and_a_sound_one_kept(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(cache, "cache_folder", lambda: tmp_path)
+    monkeypatch.setattr(store, "cache_folder", lambda: tmp_path)
     patterns = ca.Sparsity.upper(2), ca.Sparsity.dense(2, 2)
     texts, units = codegen.sources("qp_kept", *patterns, EXACT), (codegen.COMMON, "qp_kept.c")
     path = library.compiled("qp_kept", texts, units)
@@ -288,7 +288,7 @@ def test_a_damaged_library_is_compiled_anew_and_a_sound_one_kept(
 
 def test_a_cache_that_cannot_be_written_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "file").write_text("in the way")
-    monkeypatch.setattr(cache, "cache_folder", lambda: tmp_path / "file")
+    monkeypatch.setattr(store, "cache_folder", lambda: tmp_path / "file")
     with pytest.raises(BuildError, match=r"the cache folder .* cannot be written"):
         qp_solver("test_nowhere", ca.Sparsity.upper(2), ca.Sparsity.diag(2))
 

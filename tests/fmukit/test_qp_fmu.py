@@ -18,13 +18,13 @@ import pe_file
 import pytest
 from fmu_driver import Instance
 
-from fmukit.build import compiler
-from fmukit.build.builder import build, library
-from fmukit.build.codegen import generate
+from fmukit.compiling import compiler
 from fmukit.conformance.pytest_helper import assert_conformant
 from fmukit.direct import Direct
 from fmukit.interface import Interface
 from fmukit.kernel import Layout, sampled_kernel
+from fmukit.packaging.builder import build, library
+from fmukit.packaging.codegen import generate
 from fmukit.qp import QpSettings, codegen
 
 SIZE = demo_programs.STEP

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 import pyarrow as pa
 
-from cosim.results import Results
+from cosim.results.reading import Results
 
 STEP = 0.02
 

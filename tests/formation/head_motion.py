@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from chain_model import Motion
 
-from cosim.scenarios._excitation import LINES, PERIOD, multisine, straight
+from scenarios.platoon.excitation import LINES, PERIOD, multisine, straight
 
 OMEGA = 2 * np.pi * np.array(LINES) / PERIOD
 SETTLE = 30.0

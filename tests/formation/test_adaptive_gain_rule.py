@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from adaptive_loop import simulate
 
-from cosim.cli import main
+from cosim.command.main import main
 from fmukit.direct import Direct
 from fmus.controllers.adaptive_follower import COMPONENT
 

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cosim.results import Results
+from cosim.model.system import System
+from cosim.results.reading import Results
 from cosim.run import Request, run
 from cosim.scenario import Scenario
-from cosim.scenarios._catalogue import fmu_path
-from cosim.system import System
+from scenarios.shared.catalogue import fmu_path
 
 SPEED, DURATION = 25.0, 6.0
 TRACK = {"initial_speed": SPEED, "acceleration.start": 0.5, "weave.start": 1.0, "amplitude": 3.0}

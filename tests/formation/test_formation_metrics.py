@@ -10,13 +10,13 @@ import pyarrow as pa
 import pytest
 from formation_table import STEP, drive
 
-from cosim import display
-from cosim.results import Results
-from cosim.scenarios import _formation_course
-from cosim.scenarios import _formation_metrics as metrics
-from cosim.scenarios._distances import Body, distance_metrics, smallest_distance
+from cosim.command import display
+from cosim.results.reading import Results
 from fmukit.interface import load_parameters
 from fmus.controllers.formation import bus
+from scenarios.formation import course as _formation_course
+from scenarios.formation import metrics
+from scenarios.formation.distances import Body, distance_metrics, smallest_distance
 
 N = 1001
 TIME = STEP * np.arange(N)
@@ -235,7 +235,7 @@ def test_cars_that_overlap_collide() -> None:
 
 
 def test_a_touch_in_any_block_of_times_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("cosim.scenarios._distances._BLOCK", 7)
+    monkeypatch.setattr("scenarios.formation.distances._BLOCK", 7)
     poses = np.zeros((100, 3, 3))
     poses[:, :, 0] = [0.0, -20.0, -40.0]
     poses[63, 2, 0] = -30.0

@@ -8,15 +8,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cosim.assembly import assemble
-from cosim.loader import Loader
-from cosim.results import Results
+from cosim.engine.loader import Loader
+from cosim.engine.schedule import schedule
+from cosim.model.assembly import assemble
+from cosim.model.system import System
+from cosim.results.reading import Results
+from cosim.results.storage import PARQUET
 from cosim.run import Request, run
 from cosim.scenario import Scenario
-from cosim.scenarios._catalogue import fmu_path
-from cosim.schedule import schedule
-from cosim.storage import PARQUET
-from cosim.system import System
+from scenarios.shared.catalogue import fmu_path
 
 SPEED = 20.0
 EXACT = {"loss.probability": 0.0} | {f"{name}.noise": 0.0 for name in ("position", "yaw", "velocity", "yaw_rate")}

@@ -9,9 +9,9 @@ import pytest
 from chain_adaptive import Adaptive, simulate, transfer
 from head_motion import OMEGA, SETTLE, braking, swept
 
-from cosim.scenarios._excitation import LINES, PERIOD
-from cosim.scenarios._platoon import GAIN, HEADWAY
-from cosim.scenarios._string_stability import gains, ratio
+from scenarios.formation.string_stability import gains, ratio
+from scenarios.platoon.excitation import LINES, PERIOD
+from scenarios.platoon.system import GAIN, HEADWAY
 
 FREQUENCIES = np.logspace(-3, 2, 20001)
 FIRM = {"gain": GAIN, "output": GAIN**2 / 7, "hidden": GAIN**2 / 14}

@@ -12,9 +12,9 @@ import pytest
 from chain_model import Law, largest, simulate, transfer
 from head_motion import OMEGA, SETTLE, braking, swept
 
-from cosim.scenarios import _excitation
-from cosim.scenarios._excitation import LINES, PERIOD, multisine, straight
-from cosim.scenarios._string_stability import gain_metrics, gains, ratio, ratio_metrics, speed_ratios
+from scenarios.formation.string_stability import gain_metrics, gains, ratio, ratio_metrics, speed_ratios
+from scenarios.platoon import excitation
+from scenarios.platoon.excitation import LINES, PERIOD, multisine, straight
 
 FOLLOWERS = 4
 STEP = 0.02
@@ -162,12 +162,12 @@ def test_the_heads_speed_takes_the_error_but_the_ratio_only_with_a_small_integra
 def test_the_heads_motion_is_consistent_and_as_strong_as_it_says() -> None:
     time = np.linspace(0.0, SETTLE + PERIOD, 80001)
     late = time >= SETTLE
-    for speed, rate in (multisine(time, 0.5), _excitation.braking(time - 8.0)):
+    for speed, rate in (multisine(time, 0.5), excitation.braking(time - 8.0)):
         np.testing.assert_allclose(np.gradient(speed, time)[1:-1], rate[1:-1], atol=2e-4)
         rows = straight(time, 25.0 + speed, rate)
         np.testing.assert_allclose(np.gradient(rows[:, 1], time)[1:-1], 25.0 + speed[1:-1], atol=1e-5)
     _, rate = multisine(time, 0.5)
     assert np.sqrt(np.mean(rate[late][:-1] ** 2)) == pytest.approx(0.5, rel=1e-6)
     assert multisine(time[:1], 0.5)[0] == 0.0
-    speed, rate = _excitation.braking(time - 8.0)
+    speed, rate = excitation.braking(time - 8.0)
     assert (speed.min(), speed[-1], rate.min(), rate.max()) == pytest.approx((-15.0, 0.0, -5.0, 2.5), abs=1e-9)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from fmus import hosting
+from fmukit.hosting import environment as hosting
 
 ROOT = Path(__file__).parents[2]
 

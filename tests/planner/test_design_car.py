@@ -12,8 +12,9 @@ from scipy.optimize import fsolve
 from fmukit.direct import Direct
 from fmukit.interface import load_parameters
 from fmus import vehicle16dof
+from fmus.cars.nominal import DESIGN
+from fmus.cars.wheels import FRONT, WHEELS
 from fmus.controllers import low_level_pid, mpc_allocator
-from fmus.design import DESIGN
 from fmus.planner import trajectory
 from fmus.planner.errors import PlanningError
 from fmus.planner.hocp import Settings, plan
@@ -26,7 +27,6 @@ from fmus.single_track.forces import lateral
 from fmus.single_track.model import function
 from fmus.single_track.model import slips as slip_angles
 from fmus.vehicle16dof import magic
-from fmus.wheels import FRONT, WHEELS
 
 PLANT = {v.name: float(v.start) for v in load_parameters(_PARAMETERS)}
 

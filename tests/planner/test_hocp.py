@@ -15,9 +15,9 @@ import pytest
 from gerdts_form import gerdts
 from scipy.integrate import quad, solve_ivp
 
-from fmukit.build import compiler
-from fmukit.build.errors import BuildError
+from fmukit.compiling import compiler
 from fmukit.direct import Direct
+from fmukit.errors import BuildError
 from fmus.controllers.reference import COMPONENT
 from fmus.controllers.reference.interface import COLUMNS
 from fmus.planner import hocp, trajectory
@@ -144,7 +144,7 @@ def test_refinement_warm_starts() -> None:
 
 def test_compiled_is_the_same_and_cached(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     _compiler_needed()
-    monkeypatch.setattr("fmukit.build.cache.cache_folder", lambda: tmp_path)
+    monkeypatch.setattr("fmukit.store.cache_folder", lambda: tmp_path)
     first = plan(CAR, double_lane_change(), 20)
     (library,) = tmp_path.glob("plan-*/nlp.so")
     made = library.stat().st_mtime_ns
@@ -186,7 +186,7 @@ def test_a_cut_library_is_made_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPa
 
 def test_a_library_that_cannot_be_loaded_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     _compiler_needed()
-    monkeypatch.setattr("fmukit.build.cache.cache_folder", lambda: tmp_path)
+    monkeypatch.setattr("fmukit.store.cache_folder", lambda: tmp_path)
     monkeypatch.setattr("fmus.planner.compiled.functions.compiled", lambda *_: b"no library")
     found = plan(CAR, double_lane_change(), 10)
     assert re.fullmatch(r"interpreted, because .*nlp\.so cannot be loaded; may programs be run .*\?", found.how)
@@ -194,7 +194,7 @@ def test_a_library_that_cannot_be_loaded_is_said(tmp_path: Path, monkeypatch: py
 
 def test_libraries_not_used_for_a_month_are_removed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     _compiler_needed()
-    monkeypatch.setattr("fmukit.build.cache.cache_folder", lambda: tmp_path)
+    monkeypatch.setattr("fmukit.store.cache_folder", lambda: tmp_path)
     old, other, long_ago = tmp_path / "plan-old", tmp_path / "Other-old", time() - 40 * 24 * 3600
     for folder in (old, other):
         folder.mkdir()
@@ -210,7 +210,7 @@ def test_libraries_not_used_for_a_month_are_removed(tmp_path: Path, monkeypatch:
 
 def test_other_roads_share_the_code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     _compiler_needed()
-    monkeypatch.setattr("fmukit.build.cache.cache_folder", lambda: tmp_path)
+    monkeypatch.setattr("fmukit.store.cache_folder", lambda: tmp_path)
     for road in (double_lane_change(), double_lane_change(clearance=0.7), bend()):
         plan(CAR, road, 20)
     assert len(list(tmp_path.glob("plan-*/nlp.so"))) == 1
@@ -220,7 +220,7 @@ def test_without_a_compiler(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     def none(_: str) -> tuple[str, ...]:
         raise BuildError("there is no compiler")
 
-    monkeypatch.setattr("fmukit.build.cache.cache_folder", lambda: tmp_path)
+    monkeypatch.setattr("fmukit.store.cache_folder", lambda: tmp_path)
     monkeypatch.setattr(compiler, "command", none)
     compiler.identity.cache_clear()
     found = plan(CAR, double_lane_change(), 20)

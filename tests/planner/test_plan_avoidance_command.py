@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cosim.cli import main
+from cosim.command.main import main
 from fmus.planner.evasion import table
 from fmus.planner.evasion.last_point import search
 

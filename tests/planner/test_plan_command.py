@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cosim.cli import main
+from cosim.command.main import main
 from fmus.planner import plans
 
 

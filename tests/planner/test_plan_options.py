@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cosim.cli import main
-from fmus.design import DESIGN
+from cosim.command.main import main
+from fmus.cars.nominal import DESIGN
 
 SHORT = ("double-lane-change", "-m", "20", "--json")
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from fmukit.build.cache import cached
+from fmukit.packaging.cached import cached
 from fmus import CATALOGUE
 
 

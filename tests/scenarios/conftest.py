@@ -9,9 +9,9 @@ from typing import Any
 
 import pytest
 
-from cosim.results import Results
+from cosim.results.reading import Results
 from cosim.run import Request, run
-from cosim.scenarios import load
+from scenarios import load
 
 Run = Callable[..., tuple[dict[str, Any], Results]]
 

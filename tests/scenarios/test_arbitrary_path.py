@@ -9,7 +9,7 @@ import pytest
 
 from cosim.errors import CosimError
 from cosim.scenario import configured
-from cosim.scenarios import load
+from scenarios import load
 
 NAME = "arbitrary-path"
 

@@ -9,10 +9,10 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from cosim.display import show
-from cosim.results import Results
-from cosim.scenarios import _arbitrary_road
-from cosim.scenarios._arbitrary_path_metrics import crossing, optimal_time, planned_ahead, violation
+from cosim.command.display import show
+from cosim.results.reading import Results
+from scenarios.arbitrary_path import road as _arbitrary_road
+from scenarios.arbitrary_path.metrics import crossing, optimal_time, planned_ahead, violation
 
 LENGTH, COURSE, SPEED = 100.0, 0.5, 20.0
 AHEAD, LEFT = np.array([np.cos(COURSE), np.sin(COURSE)]), np.array([-np.sin(COURSE), np.cos(COURSE)])

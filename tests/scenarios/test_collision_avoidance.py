@@ -3,14 +3,15 @@
 import numpy as np
 import pytest
 
-from cosim import display, scenarios
+import scenarios
+from cosim.command import display
 from cosim.errors import CosimError
 from cosim.run import Request, run
-from cosim.scenarios import _avoidance_metrics
-from cosim.scenarios._rectangles import footprint, separation
 from fmus.planner.evasion.decision import decide
 from fmus.planner.evasion.situation import Encounter, Surroundings
 from fmus.planner.evasion.table import read
+from scenarios.collision_avoidance import metrics as _avoidance_metrics
+from scenarios.shared.rectangles import footprint, separation
 
 NAME = "collision-avoidance"
 BRAKE = ("scenario.distance=50",)

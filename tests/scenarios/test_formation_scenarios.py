@@ -9,7 +9,7 @@ import pytest
 from cosim.errors import CosimError
 from cosim.run import Request, run
 from cosim.scenario import configured
-from cosim.scenarios import load
+from scenarios import load
 
 LAWS = ("formation-adaptive", "formation-constraint")
 LIGHT = ("scenario.plant", "unicycle")

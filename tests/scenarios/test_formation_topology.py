@@ -4,11 +4,11 @@ import pytest
 
 from cosim.errors import CosimError
 from cosim.scenario import chosen
-from cosim.scenarios import load
-from cosim.scenarios._formation import Cars, Change, Law, change_of_shape, formation
-from cosim.scenarios._formation_scenario import formation_settings
-from cosim.scenarios._formation_start import starts
-from cosim.scenarios._topology import SHAPES, TOPOLOGIES, Spacing, offsets, places, topology
+from scenarios import load
+from scenarios.formation.scenario import formation_settings
+from scenarios.formation.start import starts
+from scenarios.formation.system import Cars, Change, Law, change_of_shape, formation
+from scenarios.formation.topology import SHAPES, TOPOLOGIES, Spacing, offsets, places, topology
 
 SEVEN = {
     "chain": {2: 1, 3: 2, 4: 3, 5: 4, 6: 5, 7: 6},

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from cosim.scenarios._tracking_metrics import new_fixes
+from scenarios.shared.tracking_errors import new_fixes
 
 NAME = "high-speed-tracking"
 SEEDS = range(5)
@@ -88,7 +88,7 @@ def test_active_suspension_flattens_the_car(scenario_run) -> None:
 
 def test_equal_seeds_give_equal_bits_and_others_do_not(scenario_run, tmp_path) -> None:
     from cosim.run import Request, run  # noqa: PLC0415
-    from cosim.scenarios import load  # noqa: PLC0415
+    from scenarios import load  # noqa: PLC0415
 
     _, first = scenario_run(NAME, seed=1)
     _, again = run(Request(load(NAME), tmp_path, (), 1))

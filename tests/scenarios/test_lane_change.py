@@ -10,20 +10,20 @@ import numpy as np
 import pytest
 from conftest import Run
 
-from cosim.recorder import PARQUET
-from cosim.results import Results
+from cosim.results.reading import Results
+from cosim.results.recorder import PARQUET
 from cosim.run import Request, run
 from cosim.scenario import configured
-from cosim.scenarios import load
-from cosim.scenarios._lane_change import corridor
-from cosim.scenarios._lane_change_metrics import final_time, violation
-from cosim.ssp import export
+from cosim.ssp.export import export
+from fmus.cars.wheels import WHEELS
 from fmus.planner import trajectory
 from fmus.planner.hocp import Settings, plan
 from fmus.planner.road import double_lane_change
 from fmus.planner.vehicle import two_wheel_drive, vehicle16dof
 from fmus.single_track.design import design_car
-from fmus.wheels import WHEELS
+from scenarios import load
+from scenarios.lane_change.loop import corridor
+from scenarios.lane_change.metrics import final_time, violation
 
 UNDISTURBED = "scenario.lateral_offset=0"
 

@@ -14,13 +14,13 @@ import pyarrow as pa
 import pytest
 
 from cosim.errors import CosimError
-from cosim.results import Results
+from cosim.results.reading import Results
 from cosim.run import Request, run
 from cosim.scenario import configured
-from cosim.scenarios import _platoon as platoon
-from cosim.scenarios import _platoon_metrics as figures
-from cosim.scenarios import load
-from cosim.scenarios._platoon_metrics import platoon_metrics, response_ratios
+from scenarios import load
+from scenarios.platoon import metrics as figures
+from scenarios.platoon import system as platoon
+from scenarios.platoon.metrics import platoon_metrics, response_ratios
 
 Drive = Callable[..., tuple[dict[str, Any], Results]]
 LIGHT = ("scenario.plant=unicycle", "scenario.vehicles=4")
@@ -157,7 +157,7 @@ def test_a_car_alone_is_a_platoon(drive: Drive) -> None:
 def test_nothing_is_said_to_be_planned(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    monkeypatch.setattr("fmukit.build.cache.cache_folder", lambda: tmp_path)
+    monkeypatch.setattr("fmukit.store.cache_folder", lambda: tmp_path)
     caplog.set_level(logging.INFO, "cosim")
     configured(load("platoon"), [("scenario.plant", "unicycle")])
     (record,) = caplog.records

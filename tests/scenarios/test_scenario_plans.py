@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from cosim.errors import CosimError
-from cosim.scenarios._plans import kept, planned
 from fmus.planner.path_road import PathRoad
 from fmus.planner.road import double_lane_change
 from fmus.planner.vehicle import two_wheel_drive
 from fmus.single_track.data import car
+from scenarios.shared.plans import kept, planned
 
 VEHICLE = two_wheel_drive(car())
 
@@ -23,14 +23,14 @@ VEHICLE = two_wheel_drive(car())
 @pytest.fixture
 def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr("fmukit.build.cache.cache_folder", lambda: tmp_path)
+    monkeypatch.setattr("fmukit.store.cache_folder", lambda: tmp_path)
     return tmp_path
 
 
 def test_the_same_plan_has_the_same_bytes_wherever_it_is_made(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     first = planned("lane", VEHICLE, double_lane_change(), 12)
     monkeypatch.setenv("CC", "/nonexistent/compiler")
-    monkeypatch.setattr("fmukit.build.cache.cache_folder", lambda: cache / "another")
+    monkeypatch.setattr("fmukit.store.cache_folder", lambda: cache / "another")
     second = planned("lane", VEHICLE, double_lane_change(), 12)
     assert first != second
     assert first.name == second.name
@@ -84,7 +84,7 @@ def test_a_road_without_a_way_through_is_one_sentence(cache: Path) -> None:
 
 def test_a_cache_that_cannot_be_written_is_one_sentence(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (cache / "file").write_text("in the way")
-    monkeypatch.setattr("fmukit.build.cache.cache_folder", lambda: cache / "file")
+    monkeypatch.setattr("fmukit.store.cache_folder", lambda: cache / "file")
     with pytest.raises(CosimError, match=r"^cannot keep the plan of lane: the cache folder .* cannot be written \("):
         planned("lane", VEHICLE, double_lane_change(), 12)
 

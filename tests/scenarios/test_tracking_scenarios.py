@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from cosim import scenarios
-from cosim.results import load_results
+import scenarios
+from cosim.results.reading import load_results
 from cosim.run import Request, run
 
 NAMES = ("high-speed-tracking", "lateral-tracking", "longitudinal-tracking")

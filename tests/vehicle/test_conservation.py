@@ -10,10 +10,10 @@ from vehicle_car import SLICES, Car
 from vehicle_contact import coordinates, joint_order, named, road_contact, tyre_wrench
 from vehicle_oracle import car_model, pin_equations
 
+from fmus.cars.wheels import WHEELS
 from fmus.vehicle16dof.interface import INTERFACE
 from fmus.vehicle16dof.model import derivative_function
 from fmus.vehicle16dof.states import CORNERS
-from fmus.wheels import WHEELS
 
 pin = pytest.importorskip("pinocchio")
 MakeCar = Callable[..., Car]

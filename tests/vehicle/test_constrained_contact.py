@@ -21,9 +21,9 @@ from vehicle_car import Car
 from vehicle_contact import coordinates, named, road_contact, tyre_wrench
 from vehicle_oracle import car_model, pin_equations
 
-from fmus.design import DESIGN
+from fmus.cars.nominal import DESIGN
+from fmus.cars.wheels import WHEELS
 from fmus.vehicle16dof.states import CORNERS
-from fmus.wheels import WHEELS
 
 pin = pytest.importorskip("pinocchio")
 MakeCar = Callable[..., Car]

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from vehicle_car import Car
 
-from fmus.design import DESIGN
+from fmus.cars.nominal import DESIGN
+from fmus.cars.wheels import WHEELS
 from fmus.vehicle16dof import magic
 from fmus.vehicle16dof.interface import INTERFACE
-from fmus.wheels import WHEELS
 
 MakeCar = Callable[..., Car]
 NO_ROLLING = {f"tyre.rolling.{name}": 0.0 for name in ("constant", "linear", "quartic")}

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from vehicle_car import Car
 
-from fmus.design import DESIGN
-from fmus.wheels import WHEELS
+from fmus.cars.nominal import DESIGN
+from fmus.cars.wheels import WHEELS
 
 MakeCar = Callable[..., Car]
 LOADED = {"cog_offset.x": 0.2, "cog_offset.y": -0.1, "cog_offset.z": 0.1, "payload.mass": 200.0, "payload.y": 0.3}

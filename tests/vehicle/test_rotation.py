@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from fmus import rotation
+from fmus.cars import rotation
 from fmus.vehicle16dof import attitude
 
 ROLL, PITCH, YAW = 0.3, -0.7, 2.4

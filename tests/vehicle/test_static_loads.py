@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from vehicle_car import Car
 
-from fmus.design import DESIGN
+from fmus.cars.nominal import DESIGN
+from fmus.cars.wheels import WHEELS
 from fmus.vehicle16dof.interface import INTERFACE
-from fmus.wheels import WHEELS
 
 MakeCar = Callable[..., Car]
 DROP = 0.5 * (0.2474375 + 0.24335)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import casadi as ca
 
 from fmukit.kernel import Kernel, Layout, Signals, sampled_kernel, stack, symbols
+from fmus.cars.wheels import FRONT, WHEELS
 from fmus.controllers.low_level_pid import smoothing, speed, steering, suspension
 from fmus.controllers.low_level_pid.interface import INTERFACE
-from fmus.wheels import FRONT, WHEELS
 
 _FILTERS = {
     "speed": "filter.speed",

@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from fmukit.interface import Variable, group, input_, load_parameters, output, parameter, sampled
+from fmus.cars.wheels import WHEELS
 from fmus.controllers.bus import trajectory_bus
 from fmus.double_track.interface import INTERFACE as PLANT
-from fmus.wheels import WHEELS
 
 _HERE = Path(__file__).parent
 _CARS = _HERE.parents[1]

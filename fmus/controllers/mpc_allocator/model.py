@@ -5,6 +5,7 @@ from __future__ import annotations
 import casadi as ca
 
 from fmukit.kernel import Kernel, Layout, sampled_kernel, stack
+from fmus.cars.wheels import WHEELS
 from fmus.controllers.mpc_allocator import limits, observe, plan, programs, states, tracking_qp
 from fmus.controllers.mpc_allocator.horizon import NODES
 from fmus.controllers.mpc_allocator.interface import INTERFACE
@@ -12,7 +13,6 @@ from fmus.controllers.mpc_allocator.linearise import N_U
 from fmus.controllers.mpc_allocator.programs import parameter
 from fmus.controllers.mpc_allocator.states import STATES
 from fmus.controllers.mpc_allocator.trajectory import reference
-from fmus.wheels import WHEELS
 
 DERIVED = Layout()
 Values = dict[str, ca.MX]

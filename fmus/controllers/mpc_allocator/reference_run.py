@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from fmukit.reference_run import ReferenceRun
+from fmus.cars.wheels import WHEELS
 from fmus.controllers.high_level_lqr.reference_run import car_beside
-from fmus.wheels import WHEELS
 
 _LOST = 2.0
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import casadi as ca
 
-from fmukit.build.compiler import host_platform
-from fmukit.build.python_module import library
+from fmukit.compiling.compiler import host_platform
+from fmukit.compiling.functions import library
 from fmus.planner.program import Nodes
 from fmus.planner.receding import horizon, road, run
 from fmus.planner.receding.interface import INTERFACE
@@ -53,7 +53,7 @@ def parameters(overrides: Mapping[str, Any] | None = None) -> dict[str, Any]:
 def compiled(horizon: int = HORIZON) -> Tools:
     """Solver and motion as they are in the FMU, from the cache or compiled now (half a minute)."""
     made = kernel(horizon)
-    return run.prepare({name: str(library(made, name, host_platform())) for name in made.libraries})
+    return run.prepare({name: str(library(made.libraries[name], name, host_platform())) for name in made.libraries})
 
 
 def interpreted(horizon: int = HORIZON) -> Tools:

@@ -6,7 +6,7 @@ import casadi as ca
 
 from fmukit.interface import AXES
 from fmukit.kernel import Kernel, Layout, Signals, sampled_kernel, symbols
-from fmus.rotation import body_to_world
+from fmus.cars.rotation import body_to_world
 from fmus.sensors.gps.interface import INTERFACE
 from fmus.sensors.in_flight import InFlight, good
 

@@ -11,10 +11,10 @@ from xml.etree import ElementTree
 
 import pytest
 
-from fmukit.build.cache import cached
 from fmukit.component import Component
+from fmukit.hosting.environment import environment
+from fmukit.packaging.cached import cached
 from fmus import CATALOGUE
-from fmus.hosting import environment
 
 CYCLES = 100
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="the host is written for Linux")

@@ -15,11 +15,11 @@ import pytest
 from host_job import Job
 from own_answer import Answer, ask
 
+from cosim.model.system import System
 from cosim.scenario import configured
-from cosim.scenarios import load
-from cosim.system import System
+from fmukit.hosting.environment import environment
 from fmus import CATALOGUE
-from fmus.hosting import environment
+from scenarios import load
 
 Answers = Callable[[str, Mapping[str, Job]], dict[str, Answer]]
 STEP, STEPS, EVERY = 0.001, 4000, 10

@@ -9,13 +9,13 @@ import numpy as np
 from host_job import Job
 from numpy.typing import NDArray
 
-from cosim.assembly import Node, assemble
-from cosim.loader import Loader
-from cosim.master import Master
-from cosim.recorder import recorded
-from cosim.scenarios._catalogue import fmu_path
-from cosim.schedule import schedule
-from cosim.system import System
+from cosim.engine.loader import Loader
+from cosim.engine.master import Master
+from cosim.engine.schedule import schedule
+from cosim.model.assembly import Node, assemble
+from cosim.model.system import System
+from cosim.results.recorder import recorded
+from scenarios.shared.catalogue import fmu_path
 
 Answer = NDArray[np.float64]
 

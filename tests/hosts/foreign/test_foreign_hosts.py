@@ -22,8 +22,8 @@ from own_answer import Answer, ask
 
 from cosim.run import Request
 from cosim.scenario import configured
-from cosim.scenarios import load
-from cosim.ssp import export
+from cosim.ssp.export import export
+from scenarios import load
 
 ROOT = Path(__file__).parents[3]
 

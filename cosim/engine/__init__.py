@@ -1,0 +1,1 @@
+"""What runs a checked system: slaves, their order, the master and its loop."""

@@ -1,0 +1,86 @@
+"""The models of a system: unpacked once each into a temporary folder, then instantiated as often as needed."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from cosim.engine.slave import Slave
+from cosim.errors import CosimError, because
+from cosim.model.assembly import Node
+from cosim.model.face import Face, read_face
+from cosim.model.system import System
+from fmukit.archive import ArchiveError, unpack
+
+Find = Callable[[str], Path]
+
+
+class Loader:
+    """A context: slaves and unpacked FMUs live until it ends. `find` gives the .fmu file of a catalogue name."""
+
+    def __init__(self, find: Find) -> None:
+        self._find = find
+        self._root = Path()
+        self._models: dict[str, tuple[Face, Path]] = {}
+        self._slaves: list[Slave] = []
+
+    def __enter__(self) -> Self:
+        try:
+            self._root = Path(tempfile.mkdtemp(prefix="cosim-"))
+        except OSError as error:
+            raise CosimError(f"no folder to unpack FMUs into: {because(error)}; set TMPDIR to one") from None
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, tb: TracebackType | None) -> None:
+        for slave in reversed(self._slaves):
+            slave.close()
+        shutil.rmtree(self._root, ignore_errors=True)
+
+    def faces(self, system: System) -> dict[str, Face]:
+        """The face of every instance's model."""
+        return {name: self._model(instance.model)[0] for name, instance in system.instances.items()}
+
+    def slaves(self, system: System, nodes: Mapping[str, Node]) -> dict[str, Slave]:
+        """One slave per node, instantiated but not initialised."""
+        return {name: self._instantiate(name, *self._model(system.instances[name].model)) for name in nodes}
+
+    def file(self, model: str) -> Path:
+        """The .fmu file of a model: the path itself, or where `find` has the catalogue's."""
+        return Path(model) if model.endswith(".fmu") else self._find(model)
+
+    def _instantiate(self, name: str, face: Face, folder: Path) -> Slave:
+        from cosim.engine.fmu import FmuSlave  # noqa: PLC0415  (lazy: FMPy)
+
+        slave = FmuSlave(name, face, folder)
+        self._slaves.append(slave)
+        return slave
+
+    def _model(self, model: str) -> tuple[Face, Path]:
+        if model not in self._models:
+            path = self.file(model)
+            folder = self._root / str(len(self._models))
+            _unpack(path, folder)
+            face = read_face(folder, path)
+            _has_binary(folder, face, path)
+            self._models[model] = face, folder
+        return self._models[model]
+
+
+def _unpack(path: Path, folder: Path) -> None:
+    try:
+        unpack(path, folder)
+    except ArchiveError as error:
+        raise CosimError(str(error)) from None
+
+
+def _has_binary(folder: Path, face: Face, origin: Path) -> None:
+    from fmpy import platform, sharedLibraryExtension  # noqa: PLC0415  (lazy: FMPy)
+
+    if (folder / "binaries" / platform / (face.identifier + sharedLibraryExtension)).is_file():
+        return
+    present = sorted(path.name for path in (folder / "binaries").glob("*")) or ["none"]
+    raise CosimError(f"{origin} has no binary for {platform}; it has {', '.join(present)}")

@@ -1,0 +1,220 @@
+"""The multirate master: integer time, one signal vector, and at each tick a flat list of bound calls.
+
+At a tick t: parallel slaves whose step ends at t publish their outputs; due sequential slaves run in dataflow order,
+each reading the newest signals; the recorder takes a row; due parallel slaves take their inputs and step together, and
+keep their outputs for the end of the step.
+Inputs that events change are set just before their slave takes its other inputs.
+Sequential are the sampled slaves and parallel the continuous ones; with the scheme "jacobi" all are parallel.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from ctypes import c_double
+from dataclasses import dataclass
+from functools import partial
+from itertools import islice
+from time import perf_counter_ns
+from typing import Literal
+
+import numpy as np
+
+from cosim.engine import changes
+from cosim.engine.bound import Action, Bound, gather
+from cosim.engine.schedule import Schedule, active_ticks
+from cosim.engine.slave import Memory, Slave, SlaveError, Vector
+from cosim.errors import because
+from cosim.model.assembly import Node
+from cosim.model.clock import SECOND, to_seconds
+
+_BLOCK = 64  # ticks between two looks at the interrupt flag and the progress display
+
+
+@dataclass(frozen=True, slots=True)
+class Signal:
+    """One element of the signal vector: an output of an instance, or an input of it that events change."""
+
+    instance: str
+    variable: str
+    unit: str | None
+
+    @property
+    def name(self) -> str:
+        return f"{self.instance}.{self.variable}"
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """How a run ended: at simulated `time` [ns], after `wall` [ns]; calls and time [ns] per instance."""
+
+    status: Literal["ok", "failed", "interrupted"]
+    reason: str
+    time: int
+    wall: int
+    calls: Mapping[str, int]
+    times: Mapping[str, int]
+
+
+class Master:
+    """Runs the nodes on `slaves` (same names). `signals` describes `vector[1:]`; `vector[0]` is the time [s]."""
+
+    def __init__(self, nodes: Mapping[str, Node], schedule: Schedule, slaves: Mapping[str, Slave]) -> None:
+        self.schedule = schedule
+        outputs = [_signal(node, name) for node in nodes.values() for name in node.outputs]
+        changed = [_signal(node, name) for node in nodes.values() for name in changes.shown(node)]
+        self.signals = outputs + changed
+        self.vector: Vector = np.zeros(1 + len(self.signals))
+        self.vector[1 + len(outputs) :] = [changes.start(nodes[signal.instance], signal.variable) for signal in changed]
+        self._time = c_double.from_buffer(self.vector.data)
+        self._index = {signal.name: i for i, signal in enumerate(self.signals, start=1)}
+        self._nodes, self._slaves = nodes, slaves
+        self._bound: dict[str, Bound] = {}
+
+    def initialise(self) -> None:
+        """Set parameters, enter initialisation, pass outputs to inputs along the dataflow, leave; or SlaveError."""
+        for name in self.schedule.initial:
+            self._slaves[name].set(self._nodes[name].values)
+        for name in self.schedule.initial:
+            self._slaves[name].enter()
+            self._bound[name] = self._bind(self._nodes[name], self._slaves[name])
+        for _ in range(2):
+            self._propagate(leave=False)
+        self._propagate(leave=True)
+
+    def run(
+        self,
+        stop: int,
+        record: Action,
+        progress: Callable[[int], None] = lambda _time: None,
+        interrupted: Callable[[], bool] = lambda: False,
+    ) -> Outcome:
+        """Advance from 0 to `stop` [ns]; `record` is called per active tick and once at the end.
+
+        A slave that fails, or a recorder that cannot write (OSError), ends the run with status "failed".
+        """
+        start = perf_counter_ns()
+        status, reason, time = "ok", "", 0
+        ticks = changes.merged(self._ticks(stop, record), record, self._changes())
+        try:
+            time = self._loop(ticks, progress, interrupted, stop)
+            if time < stop:
+                status, reason = "interrupted", f"interrupted at {to_seconds(time):g} s"
+            else:
+                self._finish(stop, record)
+        except SlaveError as failure:
+            time = round(self._time.value * SECOND)
+            status, reason = "failed", failure.sentence(f"at {to_seconds(time):g} s")
+        except OSError as error:
+            time = round(self._time.value * SECOND)
+            status, reason = "failed", f"the results cannot be written at {to_seconds(time):g} s: {because(error)}"
+        wall = perf_counter_ns() - start
+        calls = {name: bound.count for name, bound in self._bound.items()}
+        times = {name: bound.time for name, bound in self._bound.items()}
+        return Outcome(status, reason, time, wall, calls, times)  # type: ignore[arg-type]
+
+    def _loop(
+        self,
+        ticks: Iterator[tuple[int, list[Action]]],
+        progress: Callable[[int], None],
+        interrupted: Callable[[], bool],
+        stop: int,
+    ) -> int:
+        clock, time = self._time, 0
+        while not interrupted():
+            block = list(islice(ticks, _BLOCK))
+            for time, actions in block:
+                clock.value = time / SECOND
+                for action in actions:
+                    action()
+            progress(time)
+            if len(block) < _BLOCK:
+                return stop
+        return time
+
+    def _ticks(self, stop: int, record: Action) -> Iterator[tuple[int, list[Action]]]:
+        """(time, what to do) in time order; the last steps of the parallel slaves are cut to end at `stop`."""
+        cycle = self._plan(min(self.schedule.cycle, stop), record)
+        tail = stop - max((self._nodes[name].period for name in self.schedule.parallel), default=0)
+        for start in range(0, stop, self.schedule.cycle):
+            for offset, actions in cycle:
+                time = start + offset
+                if time > tail:
+                    if time >= stop:
+                        return
+                    yield time, [partial(self._cut, time, stop), *actions]
+                else:
+                    yield time, actions
+
+    def _changes(self) -> list[changes.Due]:
+        """Everything events do, in the order of their instances: sequential ones first."""
+        names = self.schedule.sequential + self.schedule.parallel
+        found = [(self._nodes[name], change) for name in names for change in self._nodes[name].changes]
+        return [
+            changes.Due(
+                time=change.due,
+                early=node.name in self.schedule.sequential,
+                set=partial(self._slaves[node.name].set, {change.variable: change.value}),
+                show=changes.writer(self.vector, self._index.get(f"{node.name}.{change.variable}"), change.value),
+            )
+            for node, change in found
+        ]
+
+    def _cut(self, time: int, stop: int) -> None:
+        for name in self.schedule.parallel:
+            period = self._nodes[name].period
+            if time % period == 0:
+                self._bound[name].step.value = to_seconds(min(period, stop - time))
+
+    def _plan(self, end: int, record: Action) -> list[tuple[int, list[Action]]]:
+        """One whole cycle, with one shared list of actions per set of due instances."""
+        periods = {name: self._nodes[name].period for name in self.schedule.initial}
+        actions: dict[tuple[str, ...], list[Action]] = {}
+        plan = []
+        for time, due in active_ticks(periods, end):
+            if due not in actions:
+                actions[due] = self._actions(set(due), record)
+            plan.append((time, actions[due]))
+        return plan
+
+    def _actions(self, due: set[str], record: Action) -> list[Action]:
+        parallel = [self._bound[name] for name in self.schedule.parallel if name in due]
+        sequential = [self._bound[name].exchange for name in self.schedule.sequential if name in due]
+        return [
+            *(bound.publish for bound in parallel),
+            *sequential,
+            record,
+            *(bound.exchange for bound in parallel),
+        ]
+
+    def _finish(self, stop: int, record: Action) -> None:
+        self._time.value = to_seconds(stop)
+        for name in self.schedule.parallel:
+            self._bound[name].publish()
+        record()
+
+    def _propagate(self, *, leave: bool) -> None:
+        for name in self.schedule.initial:
+            bound = self._bound[name]
+            bound.gather()
+            bound.check(bound.calls.set())
+            if leave:
+                self._slaves[name].leave()
+            bound.check(bound.calls.get())
+            bound.publish()
+
+    def _bind(self, node: Node, slave: Slave) -> Bound:
+        outputs = node.outputs
+        first = self._index[f"{node.name}.{outputs[0]}"] if outputs else 0
+        u, step = np.zeros(len(node.incoming)), c_double(to_seconds(node.period))
+        shown = self.vector[first : first + len(outputs)]
+        y = shown
+        publish: Action = int
+        if node.name in self.schedule.parallel:  # the outputs belong to the end of the step
+            y = shown.copy()
+            publish = partial(np.copyto, shown, y)
+        calls = slave.bind(Memory(self._time, step, tuple(node.incoming), u, outputs, y))
+        return Bound(node, slave, calls, gather(node, self.vector, self._index, u), publish, step)
+
+
+def _signal(node: Node, name: str) -> Signal:
+    return Signal(node.name, name, node.face.ports[name].unit)

@@ -1,0 +1,76 @@
+"""What the master needs of a slave; FMUs implement it in `cosim.engine.fmu`, tests with slaves of lambdas."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from ctypes import c_double
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cosim.model.face import Face, Value
+
+Vector = NDArray[np.float64]
+Call = Callable[[], int]
+
+WARNING = 1
+STATUS = {2: "discard", 3: "error", 4: "fatal error", 5: "pending"}
+
+
+class Calls(NamedTuple):
+    """The hot loop's three calls; each returns an fmi2Status, and above WARNING the run stops."""
+
+    set: Call
+    step: Call
+    get: Call
+
+
+class Memory(NamedTuple):
+    """What the calls work on: `u` holds the values of `inputs`, `y` receives `outputs`, `step` advances `time` [s]."""
+
+    time: c_double
+    step: c_double
+    inputs: Sequence[str]
+    u: Vector
+    outputs: Sequence[str]
+    y: Vector
+
+
+class SlaveError(Exception):
+    """A slave refused or failed: `instance`, the fmi2 `status`, and the slave's own last sentence if it gave one."""
+
+    def __init__(self, instance: str, status: int, message: str) -> None:
+        super().__init__(message)
+        self.instance = instance
+        self.status = status
+        self.message = message
+
+    def sentence(self, when: str) -> str:
+        """E.g. "plant failed at 1.25 s (discard): the input wheel_torque.fl is not finite"."""
+        reason = self.message.rstrip(". ") or "the FMU gave no reason"
+        return f"{self.instance} failed {when} ({STATUS.get(self.status, f'status {self.status}')}): {reason}"
+
+
+class Slave(Protocol):
+    """Call order: set, enter, bind, (calls.set, calls.get)*, leave, (set, calls.set, calls.step, calls.get)*, close."""
+
+    face: Face
+
+    def set(self, values: Mapping[str, Value]) -> None:
+        """Set parameters and start values of inputs, between steps inputs that are not connected; raises SlaveError."""
+
+    def enter(self) -> None:
+        """Set up the experiment at time 0 and enter initialisation mode; raises SlaveError."""
+
+    def bind(self, memory: Memory) -> Calls:
+        """The calls of the hot loop, on fixed memory."""
+
+    def leave(self) -> None:
+        """Exit initialisation mode; raises SlaveError."""
+
+    def message(self) -> str:
+        """The slave's last logged sentence about something wrong, or an empty string."""
+
+    def close(self) -> None:
+        """Free the slave; never raises."""

@@ -1,0 +1,137 @@
+"""What the master knows of a model before it runs: ports, units, kind and step, read from its modelDescription.xml."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Literal
+
+from cosim.errors import CosimError
+from cosim.model.units import BASE, Unit
+from fmukit.archive import ArchiveError, refuse_entities
+
+Value = float | int | bool | str
+
+
+@dataclass(frozen=True, slots=True)
+class Port:
+    """One scalar variable of a model; `start` of a String is None."""
+
+    name: str
+    reference: int
+    causality: str
+    type: str = "Real"
+    variability: str = "continuous"
+    unit: str | None = None
+    minimum: float | None = None
+    maximum: float | None = None
+    start: float | None = None
+
+
+@dataclass(frozen=True)
+class Face:
+    """One model. `step` is its default communication step [s]; None if it does not say."""
+
+    model: str
+    ports: Mapping[str, Port]
+    step: float | None
+    units: Mapping[str, Unit] = field(default_factory=dict)
+    identifier: str = ""
+    guid: str = ""
+    tool: str = ""
+
+    @cached_property
+    def inputs(self) -> tuple[str, ...]:
+        """Real inputs, in the model's order."""
+        return tuple(p.name for p in self.ports.values() if p.causality == "input" and p.type == "Real")
+
+    @cached_property
+    def outputs(self) -> tuple[str, ...]:
+        """Real outputs, in the model's order."""
+        return tuple(p.name for p in self.ports.values() if p.causality == "output" and p.type == "Real")
+
+    @cached_property
+    def kind(self) -> Literal["continuous", "sampled"]:
+        """Continuous if any Real output varies continuously."""
+        varied = any(self.ports[name].variability == "continuous" for name in self.outputs)
+        return "continuous" if varied else "sampled"
+
+    def unit(self, name: str) -> Unit | None:
+        unit = self.ports[name].unit
+        return None if unit is None else self.units.get(unit, Unit(unit))
+
+
+def read_face(folder: Path, origin: Path) -> Face:
+    """The face of the FMU unpacked in `folder`; errors name `origin`, the file it came from."""
+    xml = folder / "modelDescription.xml"
+    if not xml.is_file():
+        raise CosimError(f"{origin} has no modelDescription.xml, so it is not an FMU")
+    try:
+        refuse_entities(xml.name, xml.read_bytes())
+        from fmpy.model_description import read_model_description  # noqa: PLC0415  (lazy: `cosim list` needs no FMPy)
+
+        description = read_model_description(str(folder))
+    except ArchiveError as error:
+        raise CosimError(f"{origin}: {error}") from None
+    except Exception as error:
+        raise CosimError(f"{origin} has an invalid modelDescription.xml: {_one_line(error)}") from None
+    return _face(description, origin)
+
+
+def _face(description: Any, origin: Path) -> Face:
+    if description.fmiVersion != "2.0":
+        raise CosimError(f"{origin} is for FMI {description.fmiVersion}; only FMI 2.0 can run")
+    if description.coSimulation is None:
+        raise CosimError(f"{origin} is for model exchange only; a co-simulation FMU is needed")
+    experiment = description.defaultExperiment
+    step = experiment.stepSize if experiment else None
+    return Face(
+        model=description.modelName,
+        ports={variable.name: _port(variable) for variable in description.modelVariables},
+        step=None if step is None else float(step),
+        units={unit.name: _unit(unit) for unit in description.unitDefinitions},
+        identifier=description.coSimulation.modelIdentifier,
+        guid=description.guid,
+        tool=description.generationTool or "",
+    )
+
+
+def _port(variable: Any) -> Port:
+    declared = variable.declaredType
+    unit, low, high = (
+        getattr(variable, name) if getattr(variable, name) is not None or declared is None else getattr(declared, name)
+        for name in ("unit", "min", "max")
+    )
+    return Port(
+        name=variable.name,
+        reference=variable.valueReference,
+        causality=variable.causality or "local",
+        type=variable.type,
+        variability=variable.variability or ("continuous" if variable.type == "Real" else "discrete"),
+        unit=unit,
+        minimum=None if low is None else float(low),
+        maximum=None if high is None else float(high),
+        start=_number(variable.start),
+    )
+
+
+def _number(text: Any) -> float | None:
+    """A start value as a number; None for a text and for none at all."""
+    try:
+        return float({"true": "1", "false": "0"}.get(text, text))
+    except (TypeError, ValueError):
+        return None
+
+
+def _unit(unit: Any) -> Unit:
+    base = unit.baseUnit
+    if base is None:
+        return Unit(unit.name)
+    exponents = tuple(int(getattr(base, name) or 0) for name in BASE)
+    return Unit(unit.name, exponents, float(base.factor), float(base.offset))
+
+
+def _one_line(error: Exception) -> str:
+    return " ".join(str(error).split())[:300]

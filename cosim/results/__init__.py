@@ -1,0 +1,1 @@
+"""What a run leaves: recorded signals, the summary, and reading both back."""

@@ -1,0 +1,128 @@
+"""Rows of the signal vector: an Arrow stream while running, so that a killed run keeps them; Parquet when done."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+from collections.abc import Iterable, Sequence
+from ctypes import c_double
+from pathlib import Path
+from time import monotonic
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+
+from cosim.engine.master import Signal
+from cosim.engine.slave import Vector
+from cosim.model.assembly import matches
+from cosim.model.clock import SECOND, to_seconds
+from cosim.results.storage import PARQUET, STREAM, write_parquet
+
+_ROWS, _VALUES = 512, 1 << 17  # in a chunk, at most
+_PATIENCE = 2.0  # [s] of wall time
+_ARRAY = re.compile(r"\[\d+]")
+
+
+def recorded(signals: Iterable[Signal], unrecorded: Sequence[str] = ()) -> list[int]:
+    """Which signals (by position) are recorded: all but those that match a pattern of `unrecorded`.
+
+    Elements of array signals like preview[3].x never are.
+    """
+    found = [(i, signal) for i, signal in enumerate(signals) if not _ARRAY.search(signal.variable)]
+    return [i for i, signal in found if not matches(signal.name, unrecorded)]
+
+
+class Recorder:
+    """Call it once per tick. `vector` is [time, signals...]; `chosen` are positions in `signals`; `folder` exists.
+
+    With `every` [ns] only the first call at or after each multiple of it makes a row, and the one at `stop` [ns].
+    Rows are gathered in a chunk and appended to the stream whenever it is full.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        vector: Vector,
+        signals: Sequence[Signal],
+        chosen: Sequence[int],
+        every: int = 0,
+        stop: int | None = None,
+    ) -> None:
+        self._folder = folder
+        self._every, self._stop = every, stop
+        self._clock, self._next = c_double.from_buffer(vector.data), -math.inf
+        self._index = np.array([0, *(1 + i for i in chosen)])
+        self._chunk = np.zeros((min(_ROWS, 1 + _VALUES // len(self._index)), len(self._index)))
+        self._rows = list(self._chunk)
+        self._columns = np.zeros(self._chunk.T.shape)
+        schema = _schema([signals[i] for i in chosen])
+        self._batch = pa.record_batch([pa.array(column) for column in self._columns], schema=schema)
+        self._take = vector.take
+        self._filled = self._written = 0
+        self._flushed = monotonic()
+        self._sink = pa.OSFile(str(folder / STREAM), "wb")
+        self._writer = pa.ipc.new_stream(self._sink, schema)
+        self.flush()  # an empty chunk writes the schema, so that the stream can be read from now on
+
+    def __call__(self) -> None:
+        if self._clock.value < self._next:
+            return
+        self._take(self._index, None, self._rows[self._filled], "clip")
+        self._filled += 1
+        if self._every:
+            self._next = self._due()
+        if self._filled == len(self._rows):
+            self.flush()
+
+    def _due(self) -> float:
+        """When the next row is due [s]."""
+        now = round(self._clock.value * SECOND)
+        later = (now // self._every + 1) * self._every
+        return to_seconds(later if self._stop is None else min(later, self._stop))
+
+    def flush(self) -> None:
+        """Append the rows gathered so far to the stream and hand them to the operating system.
+
+        OSError (a full disk) ends the recording: the stream keeps its whole chunks, `close` writes nothing more to it.
+        """
+        whole = self._sink.tell()
+        self._columns[:, : self._filled] = self._chunk[: self._filled].T  # the batch shows this memory
+        try:
+            self._writer.write_batch(self._batch.slice(0, self._filled))
+        except OSError:
+            self._sink.close()
+            os.truncate(self._folder / STREAM, whole)
+            raise
+        self._written += self._filled
+        self._filled = 0
+        self._flushed = monotonic()
+
+    def keep(self) -> None:
+        """Flush what has waited for a while: called now and then, so that a slow run loses little when killed."""
+        if self._filled and monotonic() - self._flushed > _PATIENCE:
+            self.flush()
+
+    def close(self) -> None:
+        """Write results.parquet from the stream, then remove the stream.
+
+        When the disk is full this raises OSError, and what was recorded is in whichever of the two files is there.
+        """
+        try:
+            if self._filled and not self._sink.closed:
+                self.flush()
+            if not self._sink.closed:
+                self._writer.close()
+        finally:
+            self._sink.close()
+            stream = self._folder / STREAM
+            write_parquet(stream, self._folder / PARQUET, self._written)
+            stream.unlink()
+
+
+def _schema(signals: Sequence[Signal]) -> Any:
+    columns = [("time", "s"), *((signal.name, signal.unit) for signal in signals)]
+    return pa.schema(
+        [pa.field(name, pa.float64(), metadata={"unit": unit} if unit else None) for name, unit in columns]
+    )

@@ -1,0 +1,1 @@
+"""Systems as SSP 1.0 files."""

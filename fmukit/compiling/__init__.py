@@ -1,0 +1,1 @@
+"""C code to shared libraries: which compiler, and CasADi functions compiled for solvers to load."""

@@ -1,0 +1,1 @@
+"""What a host that is not Python needs to run the FMUs."""

@@ -1,0 +1,1 @@
+"""The assumed cars: their numbers, what follows from them, and the geometry all components share."""

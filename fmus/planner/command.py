@@ -1,0 +1,125 @@
+"""`cosim plan`: the time-optimal motion along a road as a trajectory file."""
+
+from __future__ import annotations
+
+import json
+import sys
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import typer
+
+from cosim.errors import CosimError
+from fmus.planner.evasion import command as avoidance_cli
+
+if TYPE_CHECKING:
+    from fmus.double_track.data import DoubleTrackCar
+    from fmus.planner.hocp import Plan
+
+
+class Wheel(StrEnum):
+    """What a user may name; a list of choices has to be an enumeration."""
+
+    fl = "fl"
+    fr = "fr"
+    rl = "rl"
+    rr = "rr"
+
+
+def plan_command(
+    context: typer.Context,
+    name: Annotated[
+        str,
+        typer.Argument(help="double-lane-change, test-drive, the CSV file of a centre line, or collision-avoidance."),
+    ],
+    *,
+    m: Annotated[int, typer.Option("-m", "--intervals", help="Intervals of the plan.")] = 80,
+    grid: Annotated[
+        Literal["gate", "time"], typer.Option(help="gate: nodes on gates across the road; time: equal intervals.")
+    ] = "gate",
+    speed: Annotated[float, typer.Option(metavar="V", help="Speed at the start, in m/s.")] = 10.0,
+    car: Annotated[
+        Literal["doubletrack", "vehicle16dof"], typer.Option(help="The plant the plan is for, with its start values.")
+    ] = "doubletrack",
+    file: Annotated[Path | None, typer.Option("-o", "--output", help="The file; NAME-plan.csv if left out.")] = None,
+    forces: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Also write states, inputs and wheel forces to this file.")
+    ] = None,
+    lost_motor: Annotated[list[Wheel] | None, typer.Option(help="A motor lost in --forces; repeatable.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the figures as JSON and nothing else.")] = False,
+) -> None:
+    """Plan the time-optimal motion along a road; ReferenceTrajectory plays the file.
+
+    collision-avoidance is the table of the last points to brake and to steer; -o writes it as CSV.
+    """
+    if name == avoidance_cli.NAME:
+        avoidance_cli.avoidance_command(file, _given(context), as_json=as_json)
+        return
+    from fmus.planner import files, plans, trajectory  # noqa: PLC0415  (lazy: `--help` answers at once)
+    from fmus.planner.cars import CARS  # noqa: PLC0415
+    from fmus.planner.errors import PlanningError  # noqa: PLC0415
+
+    if lost_motor and forces is None:
+        raise CosimError("--lost-motor changes the wheel forces only; name their file with --forces")
+    target, planned = file if file is not None else Path(f"{Path(name).stem}-plan.csv"), CARS[car]()
+    try:
+        road = None if name in plans.ROADS else Path(name)
+        files.check_outputs([target] if forces is None else [target, forces], road)
+        found = plans.named(name, m, grid, speed, planned.vehicle)
+        trajectory.write(found, target)
+        figures = _figures(found, target)
+        if forces is not None:
+            figures |= _written_forces(found, planned.whole, lost_motor or [], forces)
+    except PlanningError as error:
+        raise CosimError(str(error)) from error
+    for remark in plans.remarks(*(figures[key] for key in ("violation", "replay_error", "residual", "status"))):
+        print(f"cosim: {remark}", file=sys.stderr)
+    if as_json:
+        print(json.dumps(figures, indent=2))
+        return
+    width = max(map(len, figures))
+    for key, value in figures.items():
+        print(f"{key:<{width}} {value:.6g}" if isinstance(value, float) else f"{key:<{width}} {value}")
+
+
+def _given(context: typer.Context) -> list[str]:
+    """The options of a plan that the user gave, as written."""
+    own = {"name", "file", "as_json"}
+    given = [p for p in context.command.params if p.name not in own and _on_command_line(context, p.name or "")]
+    return [max(parameter.opts, key=len) for parameter in given]
+
+
+def _on_command_line(context: typer.Context, name: str) -> bool:
+    source = context.get_parameter_source(name)
+    return source is not None and source.name == "COMMANDLINE"
+
+
+def _figures(plan: Plan, target: Path) -> dict[str, Any]:
+    """Times in s, distances in m, speed in m/s."""
+    return {
+        "final_time": plan.final_time,
+        "final_speed": float(plan.nodes.x[2, -1]),
+        "violation": plan.violation,
+        "residual": plan.residual,
+        "replay_error": plan.replay_error(restart=True),
+        "status": plan.status,
+        "iterations": plan.iterations,
+        "solve_time": plan.solve_time,
+        "derivatives": plan.how,
+        "file": str(target),
+    }
+
+
+def _written_forces(plan: Plan, car: DoubleTrackCar, lost: list[Wheel], target: Path) -> dict[str, Any]:
+    """Write the forces; what the wheel forces miss of the planned forces [N] and the planned moment [N.m]."""
+    from fmus.cars.wheels import WHEELS  # noqa: PLC0415
+    from fmus.planner import forces  # noqa: PLC0415
+
+    found = forces.along(plan, car, available=[0.0 if wheel in lost else 1.0 for wheel in WHEELS])
+    forces.write(found, target)
+    figures: dict[str, Any] = {}
+    names = ("force_x", "force_y", "moment_z")
+    for name, rms, largest in zip(names, found.rms.tolist(), found.largest.tolist(), strict=True):
+        figures |= {f"residual_{name}_rms": rms, f"residual_{name}_max": largest}
+    return {**figures, "forces_file": str(target)}

@@ -1,0 +1,1 @@
+"""A road planned while it is driven."""

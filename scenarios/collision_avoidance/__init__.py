@@ -1,0 +1,1 @@
+"""An obstacle appears: brake, steer, or both."""

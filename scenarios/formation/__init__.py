@@ -1,0 +1,1 @@
+"""Cars in formation: a head that tracks a trajectory, and followers that keep their places."""

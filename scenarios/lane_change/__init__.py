@@ -1,0 +1,1 @@
+"""The time-optimal double lane change of chapter 3, with MpcAllocator."""

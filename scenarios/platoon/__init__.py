@@ -1,0 +1,1 @@
+"""Cars in a row: whether disturbances grow from car to car."""
