@@ -66,7 +66,7 @@ def to_json(summary: Mapping[str, Any]) -> str:
 
 def code_version() -> str:
     """The git commit of this code with "-dirty" if it was changed, or the version of the installed package."""
-    root = Path(__file__).resolve().parent.parent
+    root = Path(__file__).resolve().parents[2]
     if (root / ".git").exists():
         command = ["git", "-C", str(root), "describe", "--always", "--dirty", "--abbrev=12"]
         try:

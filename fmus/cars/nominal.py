@@ -13,7 +13,7 @@ from pathlib import Path
 
 from fmus.vehicle16dof import magic
 
-_PARAMETERS = Path(__file__).parent / "vehicle16dof" / "parameters.toml"
+_PARAMETERS = Path(__file__).parents[1] / "vehicle16dof" / "parameters.toml"
 SECANT_ACCELERATION = 4.0
 """Lateral acceleration [m/s2] at which the axle cornering stiffness is taken (engineering choice)."""
 
