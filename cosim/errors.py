@@ -13,6 +13,14 @@ class CosimError(Exception):
     """A mistake in what the user asked for, or a file that cannot be used; the text is one sentence for the user."""
 
 
+class RunFailedError(Exception):
+    """A run that began and did not end as it should; the text is one sentence for the user."""
+
+
+class RunInterruptedError(RunFailedError):
+    """A run that the user ended."""
+
+
 def unknown(kind: str, name: str, known: Iterable[str], look: str = "") -> CosimError:
     """The error for a name that does not exist: the closest names, or all if few, else `look` says where they are."""
     candidates = sorted(known)

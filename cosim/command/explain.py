@@ -10,13 +10,14 @@ from rich.table import Table
 from cosim.engine.schedule import Schedule
 from cosim.model.assembly import Connection, Node
 from cosim.model.clock import to_seconds
-from cosim.run import Plan
+from cosim.run.prepare import RunPlan
 
 
-def explanation(plan: Plan) -> list[tuple[str, Table]]:
+def explanation(plan: RunPlan) -> list[tuple[str, Table]]:
     """Titles and tables: order of execution and edges; if any, unit conversions, events and unconnected inputs."""
+    name, tick = plan.request.scenario.name, _ms(to_seconds(plan.schedule.tick))
     tables = {
-        f"{plan.scenario.name}: order at each tick (base tick {_ms(to_seconds(plan.schedule.tick))})": _order(plan),
+        f"{name}: order at each tick (base tick {tick})": _order(plan),
         "edges": _edges(plan.nodes, plan.schedule),
         "unit conversions": _conversions(plan.nodes),
         "values set during the run": _changes(plan),
@@ -25,7 +26,7 @@ def explanation(plan: Plan) -> list[tuple[str, Table]]:
     return [(title, table) for title, table in tables.items() if table.row_count]
 
 
-def _order(plan: Plan) -> Table:
+def _order(plan: RunPlan) -> Table:
     table = _table("step", "instance", "model", "kind", "period")
     for step, name in enumerate(plan.schedule.sequential + plan.schedule.parallel, start=1):
         node = plan.nodes[name]
@@ -61,13 +62,13 @@ def _conversions(nodes: Mapping[str, Node]) -> Table:
     return table
 
 
-def _changes(plan: Plan) -> Table:
+def _changes(plan: RunPlan) -> Table:
     table = _table("at", "input", "value", "taken in")
     found = [(change, node) for node in plan.nodes.values() for change in node.changes]
     for change, node in sorted(found, key=lambda pair: pair[0].time):
         unit = node.face.ports[change.variable].unit or ""
         value = f"{change.value} {unit if unit != '1' else ''}".strip()
-        taken = f"{to_seconds(change.due):g} s" if change.due < plan.stop else "never: after the end"
+        taken = f"{to_seconds(change.due):g} s" if change.due < plan.request.stop else "never: after the end"
         table.add_row(f"{to_seconds(change.time):g} s", f"{node.name}.{change.variable}", value, taken)
     return table
 

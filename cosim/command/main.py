@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-import json
 import sys
-from dataclasses import asdict
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+from importlib.metadata import entry_points
+from typing import Any, NoReturn
 
 import typer
 
-from cosim.engine.schedule import Scheme
-from cosim.errors import CosimError, because
-from fmus.planner.command import plan_command
-
-if TYPE_CHECKING:
-    from cosim.results.reading import Results
-    from cosim.scenario import Scenario
+from cosim.command.export import export_command
+from cosim.command.list import list_command
+from cosim.command.run import run_command
+from cosim.errors import CosimError, RunFailedError, RunInterruptedError, because
 
 app = typer.Typer(
     help="Run systems of FMI 2.0 co-simulation FMUs.",
@@ -38,6 +33,10 @@ def main() -> None:
         sys.exit(app(standalone_mode=False) or 0)
     except CosimError as error:
         _end(str(error), _MISTAKE)
+    except RunInterruptedError as error:
+        _end(str(error), _INTERRUPTED)
+    except RunFailedError as error:
+        _end(str(error), _FAILED)
     except _UsageError as error:
         _end(f"{_usage(error)}; `cosim --help` shows what there is", _MISTAKE)
     except typer.Abort:
@@ -56,136 +55,8 @@ def _end(sentence: str, status: int) -> NoReturn:
     sys.exit(status)
 
 
-@app.command("list")
-def list_(as_json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False) -> None:
-    """Show the scenarios with what each reproduces."""
-    import scenarios  # noqa: PLC0415  (lazy: `--help` answers at once)
-
-    found = [scenarios.load(name) for name in scenarios.names()]
-    if as_json:
-        print(json.dumps([_listed(scenario) for scenario in found], indent=2))
-        return
-    from cosim.command.display import console_of, scenario_table  # noqa: PLC0415
-
-    console_of().print(scenario_table(found))
-
-
-@app.command()
-def run(
-    name: Annotated[str, typer.Argument(help="Name of a scenario, see `cosim list`.")],
-    *,
-    assignments: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="instance.variable=value", help="Set a parameter, or scenario.SETTING."),
-    ] = None,
-    seed: Annotated[int, typer.Option(help="Seed of all noise; equal seeds give bit-identical runs.")] = 0,
-    stop_time: Annotated[float | None, typer.Option("--stop-time", metavar="S", help="End of the run [s].")] = None,
-    scheme: Annotated[
-        Scheme, typer.Option(help="jacobi: all step together and exchange afterwards, as most other tools do.")
-    ] = "multirate",
-    step: Annotated[float | None, typer.Option(metavar="S", help="One communication step for all [s].")] = None,
-    folder: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Results folder; results/NAME if left out.")
-    ] = None,
-    events: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--at", metavar="S:instance.input=value", help="Set an unconnected input during the run, from S [s] on."
-        ),
-    ] = None,
-    record_every: Annotated[
-        float | None, typer.Option(metavar="S", help="Time between two recorded rows [s]; 0 records at every tick.")
-    ] = None,
-    record_all: Annotated[
-        bool, typer.Option("--record-all", help="Record the signals too that the scenario leaves out.")
-    ] = False,
-    explain: Annotated[bool, typer.Option("--explain", help="Print order, periods, edges and conversions.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON and nothing else.")] = False,
-    no_report: Annotated[bool, typer.Option("--no-report", help="Draw no overview.png.")] = False,
-) -> None:
-    """Run a scenario and write its results."""
-    import scenarios  # noqa: PLC0415
-    from cosim.command import display  # noqa: PLC0415
-    from cosim.model.system import parse_assignments, parse_events  # noqa: PLC0415
-    from cosim.results.summary import to_json  # noqa: PLC0415
-    from cosim.run import OVERVIEW, Request  # noqa: PLC0415
-    from cosim.run import run as run_scenario  # noqa: PLC0415
-
-    display.notices(shown=not quiet)
-    scenario = scenarios.load(name)
-    target = folder if folder is not None else Path("results") / name
-    values, changes = parse_assignments(assignments or []), parse_events(events or [])
-    request = Request(scenario, target, values, seed, stop_time, scheme, step, changes, record_every, record_all)
-    stop = stop_time if stop_time is not None else scenario.stop_time
-    explainer = display.explainer(to_stderr=as_json or quiet) if explain else display.silent
-    with display.progress(stop, shown=not (quiet or as_json)) as progress:
-        summary, results = run_scenario(request, explainer, progress)
-    if not no_report:
-        _draw(scenario, results, target / OVERVIEW)
-    if as_json:
-        print(to_json(summary))
-    elif not quiet:
-        display.show(summary, target)
-    _leave(summary)
-
-
-@app.command()
-def export(
-    name: Annotated[str, typer.Argument(help="Name of a scenario, see `cosim list`.")],
-    *,
-    file: Annotated[Path | None, typer.Option("-o", "--output", help="The file; NAME.ssp if left out.")] = None,
-    assignments: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="instance.variable=value", help="Set a parameter, or scenario.SETTING."),
-    ] = None,
-    seed: Annotated[int, typer.Option(help="Seed of all noise.")] = 0,
-    stop_time: Annotated[float | None, typer.Option("--stop-time", metavar="S", help="End of the run [s].")] = None,
-    events: Annotated[
-        list[str] | None,
-        typer.Option("--at", metavar="S:instance.input=value", help="Set an unconnected input during the run."),
-    ] = None,
-) -> None:
-    """Write a scenario as SSP 1.0, with its FMUs and parameter values, for other tools."""
-    import scenarios  # noqa: PLC0415
-    from cosim.command.display import notices  # noqa: PLC0415
-    from cosim.model.system import parse_assignments, parse_events  # noqa: PLC0415
-    from cosim.run import Request  # noqa: PLC0415
-    from cosim.ssp.export import export as export_ssp  # noqa: PLC0415
-
-    notices(shown=True)
-    target = file if file is not None else Path(f"{name}.ssp")
-    scenario = scenarios.load(name)
-    values, changes = parse_assignments(assignments or []), parse_events(events or [])
-    request = Request(scenario, target.parent, values, seed, stop_time, events=changes)
-    print(export_ssp(request, target))
-
-
-app.command("plan")(plan_command)
-
-
-def _draw(scenario: Scenario, results: Results, file: Path) -> None:
-    if scenario.draw is None or len(results.time) < 2:
-        return
-    try:
-        scenario.draw(results, file, scenario.title)
-    except OSError as error:
-        file.unlink(missing_ok=True)
-        _end(f"{file} cannot be written: {because(error)}; results and summary are complete", _FAILED)
-
-
-def _leave(summary: dict[str, Any]) -> None:
-    if summary["status"] == "ok":
-        return
-    status = _INTERRUPTED if summary["status"] == "interrupted" else _FAILED
-    _end(f"{summary['reason']}; the results so far are kept", status)
-
-
-def _listed(scenario: Scenario) -> dict[str, Any]:
-    return {
-        "name": scenario.name,
-        "title": scenario.title,
-        "figures": scenario.figures,
-        "stop_time": scenario.stop_time,
-        "settings": {name: asdict(setting) for name, setting in scenario.settings.items()},
-    }
+app.command("list")(list_command)
+app.command("run")(run_command)
+app.command("export")(export_command)
+for entry in entry_points(group="cosim.commands"):
+    app.command(entry.name)(entry.load())

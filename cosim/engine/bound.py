@@ -9,8 +9,9 @@ from time import perf_counter_ns
 
 import numpy as np
 
-from cosim.engine.slave import WARNING, Calls, Slave, SlaveError, Vector
+from cosim.engine.slave import WARNING, Calls, Slave, SlaveError
 from cosim.model.assembly import Node
+from cosim.model.signals import Vector
 
 Action = Callable[[], object]
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from functools import partial
 
 from cosim.engine.bound import Action
-from cosim.engine.slave import Vector
 from cosim.model.assembly import Node
 from cosim.model.face import Value
+from cosim.model.signals import Vector
 
 Tick = tuple[int, list[Action]]
 

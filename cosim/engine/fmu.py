@@ -19,9 +19,10 @@ from fmpy.fmi2 import (
     fmi2CallbackLoggerTYPE,
 )
 
-from cosim.engine.slave import WARNING, Call, Calls, Memory, SlaveError, Vector
+from cosim.engine.slave import WARNING, Call, Calls, Memory, SlaveError
 from cosim.errors import CosimError
 from cosim.model.face import Face, Value
+from cosim.model.signals import Vector
 
 _ERROR = 3
 _messages: dict[str, str] = {}

@@ -9,6 +9,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+from fmpy import platform, sharedLibraryExtension
+
+from cosim.engine.fmu import FmuSlave
 from cosim.engine.slave import Slave
 from cosim.errors import CosimError, because
 from cosim.model.assembly import Node
@@ -44,17 +47,15 @@ class Loader:
         """The face of every instance's model."""
         return {name: self._model(instance.model)[0] for name, instance in system.instances.items()}
 
-    def slaves(self, system: System, nodes: Mapping[str, Node]) -> dict[str, Slave]:
+    def slaves(self, nodes: Mapping[str, Node]) -> dict[str, Slave]:
         """One slave per node, instantiated but not initialised."""
-        return {name: self._instantiate(name, *self._model(system.instances[name].model)) for name in nodes}
+        return {name: self._instantiate(name, *self._model(node.model)) for name, node in nodes.items()}
 
     def file(self, model: str) -> Path:
         """The .fmu file of a model: the path itself, or where `find` has the catalogue's."""
         return Path(model) if model.endswith(".fmu") else self._find(model)
 
     def _instantiate(self, name: str, face: Face, folder: Path) -> Slave:
-        from cosim.engine.fmu import FmuSlave  # noqa: PLC0415  (lazy: FMPy)
-
         slave = FmuSlave(name, face, folder)
         self._slaves.append(slave)
         return slave
@@ -78,8 +79,6 @@ def _unpack(path: Path, folder: Path) -> None:
 
 
 def _has_binary(folder: Path, face: Face, origin: Path) -> None:
-    from fmpy import platform, sharedLibraryExtension  # noqa: PLC0415  (lazy: FMPy)
-
     if (folder / "binaries" / platform / (face.identifier + sharedLibraryExtension)).is_file():
         return
     present = sorted(path.name for path in (folder / "binaries").glob("*")) or ["none"]

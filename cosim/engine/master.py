@@ -22,32 +22,23 @@ import numpy as np
 from cosim.engine import changes
 from cosim.engine.bound import Action, Bound, gather
 from cosim.engine.schedule import Schedule, active_ticks
-from cosim.engine.slave import Memory, Slave, SlaveError, Vector
+from cosim.engine.slave import Memory, Slave, SlaveError
 from cosim.errors import because
 from cosim.model.assembly import Node
 from cosim.model.clock import SECOND, to_seconds
+from cosim.model.signals import Signal, Vector
 
 _BLOCK = 64  # ticks between two looks at the interrupt flag and the progress display
 
 
-@dataclass(frozen=True, slots=True)
-class Signal:
-    """One element of the signal vector: an output of an instance, or an input of it that events change."""
-
-    instance: str
-    variable: str
-    unit: str | None
-
-    @property
-    def name(self) -> str:
-        return f"{self.instance}.{self.variable}"
+Status = Literal["ok", "failed", "interrupted"]
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
     """How a run ended: at simulated `time` [ns], after `wall` [ns]; calls and time [ns] per instance."""
 
-    status: Literal["ok", "failed", "interrupted"]
+    status: Status
     reason: str
     time: int
     wall: int

@@ -6,12 +6,9 @@ from collections.abc import Callable, Mapping, Sequence
 from ctypes import c_double
 from typing import NamedTuple, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
 from cosim.model.face import Face, Value
+from cosim.model.signals import Vector
 
-Vector = NDArray[np.float64]
 Call = Callable[[], int]
 
 WARNING = 1

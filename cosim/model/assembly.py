@@ -1,24 +1,22 @@
-"""From a `System` and the faces of its models to checked nodes and connections: names, types, ranges, units."""
+"""From the values and wires of a system to checked nodes and connections: names, types, periods, units, events."""
 
 from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from fnmatch import fnmatchcase
 
 from cosim.errors import CosimError, unknown
 from cosim.model.clock import SECOND, nanoseconds
+from cosim.model.configuration import LOOK, SAMPLE_PERIOD, Configuration, names, selected
 from cosim.model.face import Face, Value
-from cosim.model.patterns import lacking
-from cosim.model.system import Event, Instance, System, Wire
+from cosim.model.patterns import matches_any
+from cosim.model.system import Event, Instance, Wire
 from cosim.model.units import Conversion, conversion
 from cosim.model.values import coerce
 
-SAMPLE_PERIOD = "sample_period"
 SEED = "seed"
 _MAX_SEED = 2**31 - 1
-_LOOK = "`fmus list --json` lists the variables of every model, `fmpy info FILE.fmu` those of a file"
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,22 +36,27 @@ class Connection:
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """The input `variable` takes `value` at `time` [ns]; the instance takes it in at `due` [ns]."""
+    """The input `variable` takes `value` at `time` [ns]; the instance takes it in at `due` [ns].
+
+    `signal` is how it was named: a name, or a pattern.
+    """
 
     time: int
     due: int
     variable: str
     value: Value
+    signal: str
 
 
 @dataclass(slots=True)
 class Node:
-    """One instance, checked. `period` [ns]; `values` are set before initialisation; `incoming` by input name.
+    """One instance of `model`, checked. `period` [ns]; `values` are set before initialisation; `incoming` by input.
 
     `changes` of unconnected inputs during the run, in order of time. `outputs` are the Real outputs that are fetched.
     """
 
     name: str
+    model: str
     face: Face
     period: int
     values: dict[str, Value]
@@ -65,13 +68,13 @@ class Node:
         self.outputs = self.face.outputs
 
 
-def assemble(system: System, faces: Mapping[str, Face], seed: int, step: float | None = None) -> dict[str, Node]:
-    """The nodes of `system` by instance name, `faces` by instance name too; raises CosimError for any mistake.
+def assemble(configuration: Configuration, seed: int, step: float | None = None) -> dict[str, Node]:
+    """The nodes of the configuration's system by instance name; raises CosimError for any mistake.
 
     `step` [s] is one communication step for all: models that keep their own sampling grid go on sampling on it.
     """
-    values, events = _given(system, faces)
-    nodes = {name: _node(name, each, faces[name], values[name], seed) for name, each in system.instances.items()}
+    system, faces = configuration.system, configuration.faces
+    nodes = {name: _node(name, instance, configuration, seed) for name, instance in system.instances.items()}
     if step is not None:
         for node in nodes.values():
             node.period = nanoseconds(step, "the common step")
@@ -81,23 +84,21 @@ def assemble(system: System, faces: Mapping[str, Face], seed: int, step: float |
     for node in nodes.values():
         for name in node.values.keys() & node.incoming.keys():
             raise CosimError(f"{node.name}.{name} cannot be set, as it is connected: {node.incoming[name].text}")
-    for event in sorted(events, key=lambda event: event.time):
-        _schedule(nodes[event.instance], event)
+    for event in sorted(system.events, key=lambda event: event.time):
+        for name, variable in selected(system, faces, event.signal, ("input",)):
+            _schedule(nodes[name], event, variable)
     return nodes
 
 
 def leave_out(nodes: Mapping[str, Node], patterns: Sequence[str]) -> None:
-    """Outputs that nothing reads are not fetched if their signal matches a pattern such as *.tyre_force_x.fl."""
+    """Outputs that nothing reads are not fetched if their signal fits a pattern such as **.tyre_force_x.fl."""
     read = {(connection.source, connection.output) for node in nodes.values() for connection in node.incoming.values()}
     for node in nodes.values():
         node.outputs = tuple(
-            name for name in node.outputs if (node.name, name) in read or not matches(f"{node.name}.{name}", patterns)
+            name
+            for name in node.outputs
+            if (node.name, name) in read or not matches_any(f"{node.name}.{name}", patterns)
         )
-
-
-def matches(signal: str, patterns: Sequence[str]) -> bool:
-    """Whether `signal` is like any of the patterns, in which * stands for anything."""
-    return any(fnmatchcase(signal, pattern) for pattern in patterns)
 
 
 def derived_seed(seed: int, instance: str) -> int:
@@ -106,65 +107,34 @@ def derived_seed(seed: int, instance: str) -> int:
     return int.from_bytes(digest[:8], "big") % _MAX_SEED
 
 
-def _given(system: System, faces: Mapping[str, Face]) -> tuple[dict[str, dict[str, Value]], list[Event]]:
-    """Values by instance, and events, without those that a pattern gives to instances that lack the variable."""
-    values = {name: dict(instance.parameters) for name, instance in system.instances.items()}
-    given = [(of, name, port) for name, each in system.instances.items() for port, of in each.patterns.items()]
-    settable = {name: _ports(face, "parameter", "input") for name, face in faces.items()}
-    for _, name, port in lacking(given, settable, "variable", _LOOK):
-        del values[name][port]
-    events = list(system.events.values())
-    inputs = {name: _ports(face, "input") for name, face in faces.items()}
-    by_pattern = [(event.pattern, event.instance, event.variable) for event in events if event.pattern]
-    absent = lacking(by_pattern, inputs, "input", _LOOK)
-    return values, [event for event in events if (event.pattern, event.instance, event.variable) not in absent]
-
-
-def _ports(face: Face, *causalities: str) -> list[str]:
-    return [port.name for port in face.ports.values() if port.causality in causalities]
-
-
-def _node(name: str, instance: Instance, face: Face, given: Mapping[str, Value], seed: int) -> Node:
-    values = {port: _checked(name, face, port, value) for port, value in given.items()}
+def _node(name: str, instance: Instance, configuration: Configuration, seed: int) -> Node:
+    face, values = configuration.faces[name], configuration.changed(name)
     if SEED in face.ports and face.ports[SEED].type == "Integer":
         values.setdefault(SEED, derived_seed(seed, name))
-    return Node(name, face, _period(name, instance, face, values), values)
+    return Node(name, instance.model, face, _period(name, instance, face, values), values)
 
 
-def _checked(name: str, face: Face, variable: str, value: Value) -> Value:
-    port = face.ports.get(variable)
-    if port is None:
-        raise unknown(f"variable of {name} ({face.model})", variable, _ports(face, "parameter", "input"), _LOOK)
-    if port.causality not in ("parameter", "input"):
-        raise CosimError(f"{name}.{variable} is an {port.causality} of {face.model} and cannot be set")
-    return coerce(name, port, value)
+def _period(name: str, instance: Instance, face: Face, values: Mapping[str, Value]) -> int:
+    """The communication period [ns]: the system's, else the sampling period, else the model's default step."""
+    step = instance.period if instance.period is not None else values.get(SAMPLE_PERIOD, face.step)
+    if step is None:
+        raise CosimError(f"{name} ({face.model}) has no default step; give the instance a period")
+    return nanoseconds(float(step), f"the period of {name} ({face.model})")
 
 
-def _schedule(node: Node, event: Event) -> None:
-    name, inputs = event.variable, _ports(node.face, "input")
+def _schedule(node: Node, event: Event, name: str) -> None:
+    """The event sets the input `name` of the node; of two at one time the later one counts."""
     port = node.face.ports.get(name)
     if port is None:
-        raise unknown(f"input of {node.name} ({node.face.model})", name, inputs, _LOOK)
+        raise unknown(f"input of {node.name} ({node.face.model})", name, names(node.face, "input"), LOOK)
     if port.causality != "input":
         raise CosimError(f"{node.name}.{name} cannot change during the run: it is no input of {node.face.model}")
     if name in node.incoming:
         raise CosimError(f"{node.name}.{name} cannot be set, as it is connected: {node.incoming[name].text}")
     time = round(event.time * SECOND)
     due = -(-time // node.period) * node.period
-    node.changes.append(Change(time, due, name, coerce(node.name, port, event.value)))
-
-
-def _period(name: str, instance: Instance, face: Face, values: dict[str, Value]) -> int:
-    """The communication period [ns]: the system's, else the sampling period, else the model's default step.
-
-    A model that keeps its own sampling grid is told a period the system overrides.
-    """
-    step = instance.period if instance.period is not None else values.get(SAMPLE_PERIOD, face.step)
-    if step is None:
-        raise CosimError(f"{name} ({face.model}) has no default step; give the instance a period")
-    if instance.period is not None and SAMPLE_PERIOD in face.ports:
-        values.setdefault(SAMPLE_PERIOD, _checked(name, face, SAMPLE_PERIOD, instance.period))
-    return nanoseconds(float(step), f"the period of {name} ({face.model})")
+    change = Change(time, due, name, coerce(event.signal, port, event.value), event.signal)
+    node.changes = [other for other in node.changes if (other.time, other.variable) != (time, name)] + [change]
 
 
 def _expand(wire: Wire, nodes: Mapping[str, Node]) -> list[Connection]:
@@ -197,8 +167,8 @@ def _all_named_found(wire: Wire, source: Node, target: Node, found: set[str]) ->
         if input_ in found or input_ == "" or input_.endswith("."):
             continue
         if input_ not in target.face.inputs:
-            raise unknown(f"input of {target.name} ({target.face.model})", input_, target.face.inputs, _LOOK)
-        raise unknown(f"output of {source.name} ({source.face.model})", output, source.face.outputs, _LOOK)
+            raise unknown(f"input of {target.name} ({target.face.model})", input_, target.face.inputs, LOOK)
+        raise unknown(f"output of {source.name} ({source.face.model})", output, source.face.outputs, LOOK)
     if not found:
         raise CosimError(f"nothing connects {wire.source} to {wire.target}: no input of one is an output of the other")
 

@@ -8,6 +8,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
 
+from fmpy.model_description import read_model_description
+
 from cosim.errors import CosimError
 from cosim.model.units import BASE, Unit
 from fmukit.archive import ArchiveError, refuse_entities
@@ -17,7 +19,7 @@ Value = float | int | bool | str
 
 @dataclass(frozen=True, slots=True)
 class Port:
-    """One scalar variable of a model; `start` of a String is None."""
+    """One scalar variable of a model; `start` is its start value in the variable's own type, None without one."""
 
     name: str
     reference: int
@@ -27,7 +29,7 @@ class Port:
     unit: str | None = None
     minimum: float | None = None
     maximum: float | None = None
-    start: float | None = None
+    start: Value | None = None
 
 
 @dataclass(frozen=True)
@@ -70,8 +72,6 @@ def read_face(folder: Path, origin: Path) -> Face:
         raise CosimError(f"{origin} has no modelDescription.xml, so it is not an FMU")
     try:
         refuse_entities(xml.name, xml.read_bytes())
-        from fmpy.model_description import read_model_description  # noqa: PLC0415  (lazy: `cosim list` needs no FMPy)
-
         description = read_model_description(str(folder))
     except ArchiveError as error:
         raise CosimError(f"{origin}: {error}") from None
@@ -113,16 +113,19 @@ def _port(variable: Any) -> Port:
         unit=unit,
         minimum=None if low is None else float(low),
         maximum=None if high is None else float(high),
-        start=_number(variable.start),
+        start=_start(variable.type, variable.start),
     )
 
 
-def _number(text: Any) -> float | None:
-    """A start value as a number; None for a text and for none at all."""
+def _start(type_: str, text: str | None) -> Value | None:
+    """A start value in the variable's own type; None for one that is not there or not readable."""
+    if text is None or type_ == "String":
+        return text
     try:
-        return float({"true": "1", "false": "0"}.get(text, text))
-    except (TypeError, ValueError):
+        number = float({"true": "1", "false": "0"}.get(text, text))
+    except ValueError:
         return None
+    return {"Real": float, "Boolean": bool}.get(type_, int)(number)
 
 
 def _unit(unit: Any) -> Unit:

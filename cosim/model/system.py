@@ -1,4 +1,4 @@
-"""A system as data: named instances of models, and the rules that wire them."""
+"""A system as data: named instances of models, the rules that wire them, and what is set of them."""
 
 from __future__ import annotations
 
@@ -8,34 +8,37 @@ from dataclasses import dataclass, field
 
 from cosim.errors import CosimError, unknown
 from cosim.model.face import Value
-from cosim.model.patterns import fitting, is_pattern
+from cosim.model.patterns import is_pattern
 
 
 @dataclass
 class Instance:
-    """`model` is a catalogue name or a path to an .fmu; values still in text form are converted by the port's type.
+    """One instance of `model`, the name of a model that is offered or a path to an .fmu file.
 
-    `patterns` are those of the parameters that were set by a pattern, which counts where the model has the variable.
+    `parameters` are the values its system gives it, by the name of the variable; values in text form are converted
+    to the type of the variable. `period` [s] is its communication period; None leaves it to the model.
     """
 
     model: str
     parameters: dict[str, Value] = field(default_factory=dict)
     period: float | None = None
-    patterns: dict[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Assignment:
+    """`signal`, an `instance.variable` or a pattern of such names, has `value` before the start."""
+
+    signal: str
+    value: Value
 
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """`variable`, an unconnected input of `instance`, takes `value` at `time` [s].
-
-    A `pattern` that it came from counts where the model has the variable.
-    """
+    """The unconnected input `signal`, an `instance.variable` or a pattern of such, takes `value` at `time` [s]."""
 
     time: float
-    instance: str
-    variable: str
+    signal: str
     value: Value
-    pattern: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,14 +62,16 @@ class Wire:
 
 @dataclass
 class System:
-    """Instances by name, in the order in which they are listed and recorded, wires between them, and events.
+    """Instances by name, in the order in which they are listed and recorded, and the wires between them.
 
-    Events are found by time, instance and variable.
+    `assignments` are values set of instances beyond their own parameters, in the order in which they were made; the
+    last one counts. `events` are values set during the run.
     """
 
     instances: dict[str, Instance] = field(default_factory=dict)
     wires: list[Wire] = field(default_factory=list)
-    events: dict[tuple[float, str, str], Event] = field(default_factory=dict)
+    assignments: list[Assignment] = field(default_factory=list)
+    events: list[Event] = field(default_factory=list)
 
     def add(
         self, name: str, model: str, parameters: Mapping[str, Value] | None = None, period: float | None = None
@@ -87,36 +92,28 @@ class System:
                 raise unknown("instance", name, self.instances)
         self.wires.append(Wire(source, target, dict(names if names is not None else {"": ""})))
 
-    def set(self, assignment: str, value: Value) -> None:
+    def set(self, signal: str, value: Value) -> None:
         """Set `instance.variable` (instance names may contain dots) to a value, possibly still in text form.
 
-        Where no instance has that name, * and ? in it stand for characters between two dots, and all that fit and have
-        the variable are set.
+        `signal` may be a pattern (see `cosim.model.patterns`): all variables whose names fit it are set.
         """
-        for name, variable, pattern in self.selected(assignment):
-            instance = self.instances[name]
-            if not pattern:
-                instance.patterns.pop(variable, None)
-            elif variable not in instance.parameters:
-                instance.patterns[variable] = pattern
-            instance.parameters[variable] = value
+        self._expect_instance(signal)
+        self.assignments.append(Assignment(signal, value))
 
     def at(self, time: float, signal: str, value: Value) -> None:
         """From `time` [s] on the unconnected input `instance.variable` holds `value`, until an event sets it again.
 
         It takes effect when the instance next takes its inputs, at that time or after it. Of two events for one input
-        at one time the later call counts. Patterns are those of `set`.
+        at one time the later call counts. `signal` may be a pattern.
         """
         if not (math.isfinite(time) and time >= 0.0):
             raise CosimError(f"{signal} cannot be set at {time:g} s; give a time that is finite and not negative")
-        for instance, variable, pattern in self.selected(signal):
-            self.events[time, instance, variable] = Event(time, instance, variable, value, pattern)
+        self._expect_instance(signal)
+        self.events.append(Event(time, signal, value))
 
-    def selected(self, signal: str) -> list[tuple[str, str, str]]:
-        """(instance, variable, pattern) of all that `signal` means; the pattern is "" where it is a name."""
-        if is_pattern(signal) and not self._named(signal):
-            return [(*found, signal) for found in fitting(signal, self.instances)]
-        return [(*self.split(signal), "")]
+    def is_name(self, signal: str) -> bool:
+        """Whether `signal` names a variable of one instance, though it may hold characters of patterns."""
+        return not is_pattern(signal) or bool(self._named(signal))
 
     def split(self, signal: str) -> tuple[str, str]:
         """(instance, variable) of `instance.variable`, with the longest instance name that fits."""
@@ -126,6 +123,10 @@ class System:
             raise unknown("instance", ".".join(signal.split(".")[:-1][: dots + 1]), self.instances)
         instance = max(fitting, key=len)
         return instance, signal[len(instance) + 1 :]
+
+    def _expect_instance(self, signal: str) -> None:
+        if self.is_name(signal):
+            self.split(signal)
 
     def _named(self, signal: str) -> list[str]:
         return [name for name in self.instances if signal.startswith(name + ".")]

@@ -10,9 +10,8 @@ from cosim.model.face import Port, Value
 _BOOLEANS = {"true": True, "1": True, "yes": True, "on": True, "false": False, "0": False, "no": False, "off": False}
 
 
-def coerce(owner: str, port: Port, value: Value) -> Value:
-    """`value` as the type of `port`, in range; `owner` is the instance, for the error."""
-    where = f"{owner}.{port.name}"
+def coerce(where: str, port: Port, value: Value) -> Value:
+    """`value` as the type of `port`, in its range; `where` names it in the CosimError that is raised otherwise."""
     if port.type == "String":
         return str(value)
     if port.type == "Boolean":

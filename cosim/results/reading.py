@@ -7,42 +7,59 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pyarrow import parquet
 
-from cosim.engine.slave import Vector
 from cosim.errors import CosimError, unknown
 from cosim.model.clock import SECOND
 from cosim.model.face import Value
+from cosim.model.signals import Vector
 from cosim.results.storage import PARQUET, STREAM, read_stream
 
 
-class Results:
-    """`results["plant.yaw"]` is a column; `periods` [s] by instance name come from the run's summary.
+@dataclass(frozen=True, slots=True)
+class Facts:
+    """What is known of a run beside its signals.
 
-    `settings` are those of the scenario that ran, by name; `parameters` by instance name what was set of its variables
-    before the start, by the scenario or by hand. What is not among them had the start value of the model. `stop` [s] is
-    when the run was to end; without it the last row is taken to be that time.
+    `periods` [s] by instance; `settings` of the scenario by name; `values` are those that parameters and inputs started
+    with, by instance and variable; `stop` [s] is when the run was to end, None if its last row is that time.
     """
 
-    def __init__(
-        self,
-        table: Any,
-        periods: Mapping[str, float],
-        settings: Mapping[str, Any] | None = None,
-        parameters: Mapping[str, Mapping[str, Value]] | None = None,
-        stop: float | None = None,
-    ) -> None:
+    periods: Mapping[str, float]
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    values: Mapping[str, Mapping[str, Value]] = field(default_factory=dict)
+    stop: float | None = None
+
+
+class Results:
+    """The signals of a run: `results["plant.yaw"]` is a column; `facts` is what else is known of the run."""
+
+    def __init__(self, table: Any, facts: Facts) -> None:
         self._table = table
-        self.periods = dict(periods)
-        self.settings = dict(settings or {})
-        self.parameters = dict(parameters or {})
+        self.facts = facts
         self.names = [name for name in table.schema.names if name != "time"]
-        self._stop = stop
         self._known = frozenset(table.schema.names)
         self.time = table.column("time").to_numpy()
+
+    @property
+    def settings(self) -> Mapping[str, Any]:
+        """The settings of the scenario that ran, by name."""
+        return self.facts.settings
+
+    def value(self, instance: str, variable: str) -> Value:
+        """What a parameter or an input of `instance` started with; raises CosimError if that is not known."""
+        values = self.facts.values.get(instance, {})
+        if variable not in values:
+            raise unknown(f"parameter of {instance}", variable, values)
+        return values[variable]
+
+    def number(self, instance: str, variable: str) -> float:
+        """As `value`, of a parameter that is a number."""
+        return float(self.value(instance, variable))
 
     def __contains__(self, name: str) -> bool:
         return name in self._known
@@ -62,9 +79,9 @@ class Results:
 
         That of the stop time is left out: the plants have arrived, but no sampled instance has run.
         """
-        period = round(self.periods[instance] * SECOND)
+        period = round(self.facts.periods[instance] * SECOND)
         nanoseconds = np.rint(self.time * SECOND).astype(np.int64)
-        end = nanoseconds[-1:] if self._stop is None else self._stop * SECOND
+        end = nanoseconds[-1:] if self.facts.stop is None else self.facts.stop * SECOND
         return np.flatnonzero((nanoseconds % period == 0) & (nanoseconds < np.rint(end)))
 
     def samples(self, instance: str, name: str) -> Vector:
@@ -76,8 +93,6 @@ class _Columns:
     """What `Results` needs of an Arrow table, out of an open Parquet file."""
 
     def __init__(self, path: Path) -> None:
-        from pyarrow import parquet  # noqa: PLC0415  (slow to import)
-
         self._file = parquet.ParquetFile(path)
         self.schema = self._file.schema_arrow
 
@@ -85,17 +100,11 @@ class _Columns:
         return self._file.read(columns=[name], use_threads=False).column(name)
 
 
-def load_results(
-    folder: Path,
-    periods: Mapping[str, float],
-    settings: Mapping[str, Any] | None = None,
-    parameters: Mapping[str, Mapping[str, Value]] | None = None,
-    stop: float | None = None,
-) -> Results:
+def load_results(folder: Path, facts: Facts) -> Results:
     """The results in a run's folder: the Parquet file, or what a killed run left in its stream, without a stop time."""
     if (folder / PARQUET).is_file():
-        return Results(_Columns(folder / PARQUET), periods, settings, parameters, stop)
+        return Results(_Columns(folder / PARQUET), facts)
     if (folder / STREAM).is_file():
-        table = read_stream(folder / STREAM)
-        return Results(table, periods, settings, parameters, math.inf if stop is None else stop)
+        stop = math.inf if facts.stop is None else facts.stop
+        return Results(read_stream(folder / STREAM), replace(facts, stop=stop))
     raise CosimError(f"{folder} holds no results")

@@ -14,10 +14,9 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
-from cosim.engine.master import Signal
-from cosim.engine.slave import Vector
-from cosim.model.assembly import matches
 from cosim.model.clock import SECOND, to_seconds
+from cosim.model.patterns import matches_any
+from cosim.model.signals import Signal, Vector
 from cosim.results.storage import PARQUET, STREAM, write_parquet
 
 _ROWS, _VALUES = 512, 1 << 17  # in a chunk, at most
@@ -26,12 +25,12 @@ _ARRAY = re.compile(r"\[\d+]")
 
 
 def recorded(signals: Iterable[Signal], unrecorded: Sequence[str] = ()) -> list[int]:
-    """Which signals (by position) are recorded: all but those that match a pattern of `unrecorded`.
+    """Which signals (by position) are recorded: all but those that fit a pattern of `unrecorded`.
 
     Elements of array signals like preview[3].x never are.
     """
     found = [(i, signal) for i, signal in enumerate(signals) if not _ARRAY.search(signal.variable)]
-    return [i for i, signal in found if not matches(signal.name, unrecorded)]
+    return [i for i, signal in found if not matches_any(signal.name, unrecorded)]
 
 
 class Recorder:

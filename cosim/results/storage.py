@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
+from pyarrow import parquet
 
 STREAM = "results.arrows"
 PARQUET = "results.parquet"
@@ -33,8 +34,6 @@ def _batches(reader: Any) -> Iterator[Any]:
 
 def write_parquet(stream: Path, path: Path, rows: int) -> None:
     """Write the `rows` in the stream file to `path`, which then is whole: on OSError no file is left."""
-    from pyarrow import parquet  # noqa: PLC0415  (slow to import, and needed only when the run is over)
-
     partial = path.with_suffix(".partial")
     try:
         with stream.open("rb") as source:

@@ -7,14 +7,70 @@ import math
 import subprocess
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import asdict, dataclass, field
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from cosim.engine.master import Outcome
+from cosim.engine.master import Outcome, Status
 from cosim.model.assembly import Node
 from cosim.model.clock import SECOND, to_seconds
+from cosim.scenario.metric import Metric
 
 SUMMARY = "summary.json"
+
+
+@dataclass(frozen=True, slots=True)
+class InstanceSummary:
+    """What one instance did: its `model`, its communication `period` [s], `calls` of its steps and their `time` [s]."""
+
+    model: str
+    period: float
+    calls: int
+    time: float
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """The content of summary.json; its keys are the names of these fields, and `units` of the metrics beside them.
+
+    scenario          name of the scenario
+    status            "ok", "failed" or "interrupted"
+    reason            one sentence, empty when the status is "ok"
+    stop_time         simulated time reached [s]
+    wall_time         real time it took [s], without loading and initialising
+    real_time_factor  stop_time / wall_time
+    record_every      time between two recorded rows [s], 0 for a row at every tick
+    unrecorded        patterns of the signals that were left out of the results
+    seed              seed of all noise
+    git               version of this code: the git commit, or that of the installed package
+    instances         what each instance did, by its name
+    metrics           figures of the run by name; in the file the values stand under `metrics` (null for NaN) and their
+                      units under `units`
+    """
+
+    scenario: str
+    status: Status
+    reason: str
+    stop_time: float
+    wall_time: float
+    real_time_factor: float
+    record_every: float
+    unrecorded: tuple[str, ...]
+    seed: int
+    git: str
+    instances: Mapping[str, InstanceSummary]
+    metrics: Mapping[str, Metric] = field(default_factory=dict)
+
+    def data(self) -> dict[str, Any]:
+        """The summary as JSON has it: plain values only, metrics apart from their units."""
+        plain = asdict(self) | {"unrecorded": list(self.unrecorded)}
+        plain["metrics"] = {name: _finite(metric.value) for name, metric in self.metrics.items()}
+        return plain | {"units": {name: metric.unit for name, metric in self.metrics.items()}}
+
+    def json(self) -> str:
+        """The summary as indented JSON text without NaN."""
+        return json.dumps(self.data(), indent=2, allow_nan=False)
 
 
 def summarise(
@@ -22,46 +78,38 @@ def summarise(
     seed: int,
     outcome: Outcome,
     nodes: Mapping[str, Node],
-    metrics: Mapping[str, float],
+    metrics: Mapping[str, Metric],
     record_every: int = 0,
     unrecorded: Sequence[str] = (),
-) -> dict[str, Any]:
-    """The summary as data; `stop_time` is the simulated time reached, times in seconds; `record_every` [ns].
-
-    `unrecorded` are the patterns of signals that were left out of the results.
-    """
-    wall = outcome.wall / SECOND
-    return {
-        "scenario": scenario,
-        "status": outcome.status,
-        "reason": outcome.reason,
-        "stop_time": to_seconds(outcome.time),
-        "wall_time": wall,
-        "real_time_factor": to_seconds(outcome.time) / wall if wall else 0.0,
-        "record_every": to_seconds(record_every),
-        "unrecorded": list(unrecorded),
-        "seed": seed,
-        "git": code_version(),
-        "instances": {name: _instance(name, node, outcome) for name, node in nodes.items()},
-        "metrics": {name: _finite(value) for name, value in metrics.items()},
-    }
+) -> Summary:
+    """The summary of a run that ended with `outcome`; `record_every` [ns]."""
+    wall, reached = outcome.wall / SECOND, to_seconds(outcome.time)
+    return Summary(
+        scenario=scenario,
+        status=outcome.status,
+        reason=outcome.reason,
+        stop_time=reached,
+        wall_time=wall,
+        real_time_factor=reached / wall if wall else 0.0,
+        record_every=to_seconds(record_every),
+        unrecorded=tuple(unrecorded),
+        seed=seed,
+        git=code_version(),
+        instances={name: _instance(name, node, outcome) for name, node in nodes.items()},
+        metrics=metrics,
+    )
 
 
-def write_summary(summary: Mapping[str, Any], folder: Path) -> None:
+def write_summary(summary: Summary, folder: Path) -> None:
     """Write `folder`/summary.json, which then is whole: on OSError no file is left."""
     partial = folder / f"{SUMMARY}.partial"
     try:
-        partial.write_text(to_json(summary) + "\n", "utf-8")
+        partial.write_text(summary.json() + "\n", "utf-8")
         partial.replace(folder / SUMMARY)
     except OSError:
         with suppress(OSError):
             partial.unlink()
         raise
-
-
-def to_json(summary: Mapping[str, Any]) -> str:
-    """The summary as indented JSON text without NaN."""
-    return json.dumps(summary, indent=2, allow_nan=False)
 
 
 def code_version() -> str:
@@ -73,21 +121,19 @@ def code_version() -> str:
             return subprocess.run(command, capture_output=True, text=True, check=True, timeout=5).stdout.strip()
         except (OSError, subprocess.SubprocessError):
             return "unknown"
-    from importlib import metadata  # noqa: PLC0415  (only for installed copies)
-
     try:
         return metadata.version("vehicle-formation-fmus")
     except metadata.PackageNotFoundError:
         return "unknown"
 
 
-def _instance(name: str, node: Node, outcome: Outcome) -> dict[str, Any]:
-    return {
-        "model": node.face.model,
-        "period": to_seconds(node.period),
-        "calls": outcome.calls.get(name, 0),
-        "time": outcome.times.get(name, 0) / SECOND,
-    }
+def _instance(name: str, node: Node, outcome: Outcome) -> InstanceSummary:
+    return InstanceSummary(
+        model=node.face.model,
+        period=to_seconds(node.period),
+        calls=outcome.calls.get(name, 0),
+        time=outcome.times.get(name, 0) / SECOND,
+    )
 
 
 def _finite(value: float) -> float | None:

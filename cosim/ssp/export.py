@@ -15,12 +15,15 @@ from xml.etree import ElementTree as ET
 
 from cosim.engine.loader import Loader
 from cosim.errors import CosimError, because
-from cosim.model.assembly import Connection, Node, assemble
+from cosim.model.assembly import Connection, Node
 from cosim.model.clock import to_seconds
 from cosim.model.face import Port, Value
 from cosim.model.units import BASE, Unit
-from cosim.run import Request, in_time, requested
+from cosim.run.prepare import plan
+from cosim.run.request import Request
 from cosim.ssp.packing import Model, packed, take_tables_along
+from fmukit.files import write
+from fmukit.packaging.archive import pack
 
 SSD = "http://ssp-standard.org/SSP1/SystemStructureDescription"
 SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
@@ -33,14 +36,9 @@ _LOG = logging.getLogger("cosim")
 
 def export(request: Request, file: Path) -> Path:
     """Write the scenario as `file` (.ssp) and return it; raises CosimError. Equal requests give equal bytes."""
-    from fmukit.files import write  # noqa: PLC0415
-    from fmukit.packaging.archive import pack  # noqa: PLC0415  (lazy: imports PythonFMU's builder)
-
-    system = requested(request)
-    with Loader(request.scenario.find) as loader:
-        nodes = assemble(system, loader.faces(system), request.seed)
-        models = _models({name: loader.file(instance.model) for name, instance in system.instances.items()})
-    in_time(request, system, nodes)
+    with Loader(request.find) as loader:
+        nodes = plan(request, loader).nodes
+        models = _models({name: loader.file(node.model) for name, node in nodes.items()})
     for node in nodes.values():
         take_tables_along(node, models[node.name])
     _tell_what_is_lost(nodes)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from cosim.engine.slave import Vector
+from cosim.model.signals import Vector
 from cosim.errors import CosimError
 from cosim.results.reading import Results
 from scenarios.arbitrary_path import road as _arbitrary_road

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from cosim.engine.slave import Vector
+from cosim.model.signals import Vector
 from cosim.results.reading import Results
 from scenarios.collision_avoidance import loop
 from scenarios.shared.mpc_metrics import solvers

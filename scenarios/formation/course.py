@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from cosim.engine.slave import Vector
+from cosim.model.signals import Vector
 
 ALLOWED = 1.0
 """Distance [m] of the offset from the course commanded up to which it is the same: ten times what they differ by while

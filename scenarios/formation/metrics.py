@@ -21,7 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cosim.engine.slave import Vector
+from cosim.model.signals import Vector
 from cosim.results.reading import Results
 from scenarios.formation.course import course, jumps, wanted
 from scenarios.shared.tracking_errors import peak, rms

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib.collections import PolyCollection
 
-from cosim.engine.slave import Vector
+from cosim.model.signals import Vector
 from cosim.results.reading import Results
 from scenarios.formation.metrics import Errors, error, follower_errors, pose
 from scenarios.shared.page import Panel, draw_page

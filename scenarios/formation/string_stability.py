@@ -27,7 +27,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from cosim.engine.slave import Vector
+from cosim.model.signals import Vector
 
 FLOOR = 0.2
 """Largest error [m] of the car ahead from which on a ratio means something: receiver, filter and radio leave about 5 cm

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.collections import PolyCollection
 
-from cosim.engine.slave import Vector
+from cosim.model.signals import Vector
 from cosim.results.reading import Results
 from scenarios.lane_change.loop import corridor
 from scenarios.shared.mpc_metrics import SOLVED

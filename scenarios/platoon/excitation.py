@@ -14,7 +14,7 @@ import math
 
 import numpy as np
 
-from cosim.engine.slave import Vector
+from cosim.model.signals import Vector
 
 PERIOD = 50.0
 """[s]; the slowest line is 0.02 Hz."""

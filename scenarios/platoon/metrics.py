@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from cosim.engine.slave import Vector
+from cosim.model.signals import Vector
 from cosim.results.reading import Results
 from scenarios.formation.distances import distance_metrics
 from scenarios.formation.metrics import Errors, follower_errors, formation_metrics, warn_of_few_rows

@@ -21,7 +21,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cosim.engine.slave import Vector
+from cosim.model.signals import Vector
 from cosim.errors import CosimError
 from cosim.model.system import System
 from cosim.scenario import NumberSetting, Setting, Settings

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from cosim.engine.slave import Vector
+from cosim.model.signals import Vector
 from cosim.results.reading import Results
-from scenarios.shared.tracking_errors import peak, rms, tracking_errors
+from scenarios.shared.statistics import peak, rms
+from scenarios.shared.tracking_errors import tracking_errors
 
 SOLVED = 1.0
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
@@ -14,6 +15,7 @@ from cosim.results.reading import Results
 Panel = Callable[[Results, Any], None]
 """Draws some of the results into matplotlib's axes."""
 _ROW = 3.6  # inches
+_MOST_POINTS = 4000
 
 
 def draw_page(
@@ -34,3 +36,14 @@ def draw_page(
         axes.margins(y=0.2)
         axes.legend(loc="upper right", ncols=4, fontsize="small")
     figure.savefig(file, dpi=80)
+
+
+def plot(results: Results, axes: Any, name: str, label: str, scale: float = 1.0, **style: Any) -> None:
+    """One signal over time, times `scale`."""
+    rows = thinned(np.arange(len(results.time)))
+    axes.plot(results.time[rows], scale * results[name][rows], label=label, **style)
+
+
+def thinned(rows: np.ndarray) -> np.ndarray:
+    """At most _MOST_POINTS of the rows: more cannot be seen and take long to draw."""
+    return rows[:: max(1, len(rows) // _MOST_POINTS)]

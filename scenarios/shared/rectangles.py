@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cosim.engine.slave import Vector
+from cosim.model.signals import Vector
 
 
 def footprint(x: Vector, y: Vector, yaw: Vector, ahead: float, behind: float, width: float) -> Vector:

@@ -8,13 +8,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from cosim.model.system import System
-from cosim.scenario import Setting, Settings
+from cosim.scenario.settings import Settings
+from fmus.estimator.profiles import profile as filter_profile
+from fmus.sensors.gps.profiles import profile as gps_profile
+from fmus.sensors.imu.profiles import profile as imu_profile
 
-SETTINGS = {
-    "feedback": Setting("filter", ("filter", "truth"), "what the controllers see: the filter's estimate or the truth"),
-    "gps_profile": Setting("rtk", ("rtk", "dgps", "standalone"), "kind of satellite receiver"),
-    "imu_profile": Setting("automotive", ("automotive", "tactical"), "grade of the inertial unit"),
-}
 TRUE_YAW_RATE = {"yaw_rate": "angular_rate.z"}
 # Body rates stand in for the rates of yaw, roll and pitch, which `estimate.*_rate` are: with roll and pitch of a few
 # degrees they differ by terms like yaw' sin(pitch), below 0.02 rad/s here.
@@ -25,10 +23,6 @@ TRUE_STATES = {"estimate.": "", "estimate.yaw_rate": "angular_rate.z"}
 
 def add_sensors(system: System, settings: Settings, car: str = "", *, sprung: bool = True) -> None:
     """`imu`, `gps` and `filter`, which knows their profiles, on the car's `plant`; a planar one is not `sprung`."""
-    from fmus.estimator.profiles import profile as filter_profile  # noqa: PLC0415  (lazy: `cosim list`)
-    from fmus.sensors.gps.profiles import profile as gps_profile  # noqa: PLC0415
-    from fmus.sensors.imu.profiles import profile as imu_profile  # noqa: PLC0415
-
     gps, imu = settings["gps_profile"], settings["imu_profile"]
     system.add(f"{car}imu", "Imu", imu_profile(imu))
     system.add(f"{car}gps", "GpsReceiver", gps_profile(gps))

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import csv
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
-from cosim.errors import CosimError, because
-from cosim.model.face import Value
-from cosim.model.system import System
+from cosim.errors import CosimError
+from cosim.model.configuration import Configuration
+from fmukit.runtime.description import TableFile
+from fmukit.runtime.table import TableError, read
+from fmus.controllers.reference.interface import INTERFACE as REFERENCE
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,59 +23,54 @@ class Offset:
     speed: float = 0.0
 
 
-NONE = Offset()
-Point = tuple[float, float, float, float]
-"""x, y [m], course [rad], speed [m/s]."""
+class Point(NamedTuple):
+    """Position x, y [m], course [rad] and speed [m/s]."""
+
+    x: float
+    y: float
+    course: float
+    speed: float
 
 
-def start_on_reference(system: System, offset: Offset = NONE, car: str = "") -> None:
+def start_on_reference(configuration: Configuration, offset: Offset | None = None, car: str = "") -> None:
     """Start the car, and the filter's belief if there is one, `offset` from the reference unless told otherwise."""
-    x, y, course, speed = first_point(system, car)
+    offset = offset or Offset()
+    x, y, course, speed = first_point(configuration, car)
     x, y = x - offset.lateral * math.sin(course), y + offset.lateral * math.cos(course)
-    start_at(system, (x, y, course + offset.yaw, speed + offset.speed), car)
+    start_at(configuration, Point(x, y, course + offset.yaw, speed + offset.speed), car)
 
 
-def first_point(system: System, car: str = "") -> Point:
-    """Where the reference of the car begins."""
-    reference = system.instances[f"{car}reference"].parameters
-    file = str(reference.get("trajectory_file", ""))
-    return _first_row(Path(file)) if file else _built_in(reference)
-
-
-def start_at(system: System, point: Point, car: str = "") -> None:
-    """Start the car, and the filter's belief if there is one, at `point` unless told otherwise."""
-    x, y, yaw, speed = point
-    start = {"position.x": x, "position.y": y, "yaw": _wrapped(yaw), "speed": speed}
-    for name in (f"{car}plant", f"{car}filter"):
-        if name in system.instances:
-            for variable, value in start.items():
-                system.instances[name].parameters.setdefault(f"initial.{variable}", value)
-
-
-def _built_in(reference: Mapping[str, Value]) -> Point:
+def first_point(configuration: Configuration, car: str = "") -> Point:
+    """Where the reference of the car begins; raises CosimError for a trajectory that cannot be read."""
+    reference = f"{car}reference"
+    file = str(configuration.value(reference, "trajectory_file"))
+    if file:
+        return _first_row(file)
     names = ("initial.x", "initial.y", "initial.course", "initial_speed")
-    try:
-        x, y, course, speed = (float(reference.get(name, 0.0)) for name in names)
-    except ValueError:
-        raise CosimError(f"one of the parameters {', '.join(names)} of reference is not a number") from None
-    return x, y, course, speed
+    return Point(*(configuration.number(reference, name) for name in names))
 
 
-def _first_row(file: Path) -> Point:
+def start_at(configuration: Configuration, point: Point, car: str = "") -> None:
+    """Start the car, and the filter's belief if there is one, at `point` unless told otherwise."""
+    start = {"position.x": point.x, "position.y": point.y, "yaw": _wrapped(point.course), "speed": point.speed}
+    for instance in (f"{car}plant", f"{car}filter"):
+        if instance in configuration:
+            for variable, value in start.items():
+                configuration.default(instance, f"initial.{variable}", value)
+
+
+def _first_row(file: str) -> Point:
+    """The first row of a trajectory, read as ReferenceTrajectory reads it."""
+    table = REFERENCE.table
+    assert table is not None
     try:
-        with file.open(newline="", encoding="utf-8-sig") as source:
-            row = next(csv.DictReader(source, skipinitialspace=True))
-        return float(row["x"]), float(row["y"]), float(row["course"]), float(row["speed"])
-    except OSError as error:
-        raise CosimError(f"cannot read the trajectory {file}: {because(error)}") from None
-    except StopIteration:
-        raise CosimError(f"the trajectory {file} has no row beneath its header") from None
-    except KeyError as missing:
-        raise CosimError(f"the trajectory {file} has no column {missing.args[0]}") from None
-    except (ValueError, TypeError, csv.Error) as error:
-        raise CosimError(f"the first row of the trajectory {file} is not made of numbers: {error}") from None
+        row, _ = read(file, TableFile(0, table.columns, table.rows, table.increasing), Path())
+    except TableError as error:
+        raise CosimError(str(error)) from None
+    first = dict(zip(table.columns, row, strict=False))
+    return Point(*(first[name] for name in Point._fields))
 
 
 def _wrapped(angle: float) -> float:
-    """Into [-pi, pi]; what is not finite stays and is refused where it is set."""
-    return math.remainder(angle, math.tau) if math.isfinite(angle) else angle
+    """Into [-pi, pi]."""
+    return math.remainder(angle, math.tau)

@@ -1,4 +1,4 @@
-"""How well a car follows its reference and how good its estimate is, on true states of the plant at O1, in SI units.
+"""Errors of a car that follows a reference and of its estimate, on true states of the plant at O1, in SI units.
 
 Errors are taken only at the instants at which the reference, or the filter, computed: in between they hold.
 """
@@ -9,8 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cosim.engine.slave import Vector
+from cosim.model.signals import Vector
 from cosim.results.reading import Results
+from scenarios.shared.statistics import wrap
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,26 +33,6 @@ class EstimateErrors:
     x: Vector
     y: Vector
     yaw: Vector
-
-
-def tracking_metrics(results: Results) -> dict[str, float]:
-    """The metrics of a tracking run, its start included: an offset load starts leaning, as the passive car stands."""
-    e, d = tracking_errors(results), estimate_errors(results)
-    return {
-        "lateral_error_max": peak(e.lateral),
-        "lateral_error_rms": rms(e.lateral),
-        "longitudinal_error_max": peak(e.longitudinal),
-        "speed_error_max": peak(e.speed),
-        "course_error_max": peak(e.course),
-        "roll_max": peak(results["plant.roll"]),
-        "pitch_max": peak(results["plant.pitch"]),
-        "sideslip_max": peak(results["plant.sideslip"]),
-        "position_estimate_rms": rms(np.hypot(d.x, d.y)),
-        "yaw_estimate_rms": rms(d.yaw),
-        "nis_heading_mean": _mean(new_fixes(results, "filter.nis.heading")),
-        "nis_position_mean": _mean(new_fixes(results, "filter.nis.position")),
-        "saturation_longest": longest_saturation(results),
-    }
 
 
 def tracking_errors(results: Results, source: str = "reference") -> TrackingErrors:
@@ -98,27 +79,8 @@ def longest_saturation(results: Results) -> float:
     return max((_longest(results.time, results[name] > 0.5) for name in names), default=0.0)
 
 
-def wrap(angle: Vector) -> Vector:
-    """Into [-pi, pi)."""
-    return np.asarray((angle + np.pi) % (2.0 * np.pi) - np.pi)
-
-
 def _longest(time: Vector, active: np.ndarray) -> float:
     edges = np.diff(np.concatenate(([False], active, [False])).astype(int))
     starts, ends = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
     ends = np.minimum(ends, len(time) - 1)
     return float(np.max(time[ends] - time[starts], initial=0.0))
-
-
-def peak(values: Vector) -> float:
-    """Largest magnitude; 0 without values."""
-    return float(np.max(np.abs(values), initial=0.0))
-
-
-def rms(values: Vector) -> float:
-    """Root of the mean square; NaN without values."""
-    return float(np.sqrt(np.mean(values**2))) if len(values) else float("nan")
-
-
-def _mean(values: Vector) -> float:
-    return float(np.mean(values)) if len(values) else float("nan")

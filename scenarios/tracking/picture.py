@@ -8,17 +8,17 @@ from typing import Any
 import numpy as np
 from matplotlib.collections import PolyCollection
 
-from cosim.engine.slave import Vector
+from cosim.model.signals import Vector
 from cosim.results.reading import Results
-from scenarios.shared.page import draw_page
-from scenarios.shared.tracking_errors import tracking_errors, wrap
+from scenarios.shared.page import draw_page, plot, thinned
+from scenarios.shared.statistics import wrap
+from scenarios.shared.tracking_errors import tracking_errors
 
 _LENGTH, _WIDTH = 4.5, 1.8  # [m] the footprint drawn
 _WHEELS = ("fl", "fr", "rl", "rr")
-_MOST_POINTS = 4000
 
 
-def draw_overview(results: Results, file: Path, title: str) -> None:
+def draw(results: Results, _prepared: None, file: Path, title: str) -> None:
     """Draw all panels whose signals were recorded and save them to `file`."""
     panels = (
         *(_tracking, _speeds, _attitude, _accelerations),
@@ -121,14 +121,3 @@ def _estimate(results: Results, axes: Any, name: str, color: str, scale: float) 
     axes.fill_between(time, -band, band, color=color, alpha=0.15, linewidth=0)
     axes.plot(time, scale * error, color=color, label=name)
     return 1.5 * max(float(np.quantile(np.abs(scale * error), 0.99)), float(np.quantile(band, 0.95)), 1e-9)
-
-
-def plot(results: Results, axes: Any, name: str, label: str, scale: float = 1.0, **style: Any) -> None:
-    """One signal over time, times `scale`."""
-    rows = thinned(np.arange(len(results.time)))
-    axes.plot(results.time[rows], scale * results[name][rows], label=label, **style)
-
-
-def thinned(rows: np.ndarray) -> np.ndarray:
-    """At most _MOST_POINTS of the rows: more cannot be seen and take long to draw."""
-    return rows[:: max(1, len(rows) // _MOST_POINTS)]

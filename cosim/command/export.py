@@ -1,0 +1,31 @@
+"""`cosim export`: write a scenario as SSP 1.0."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from cosim.command.options import Assignments, Events, Name, Seed, StopTime
+from cosim.command.terminal import notices
+from cosim.model.system import parse_assignments, parse_events
+from cosim.run.request import Request
+from cosim.scenario.discovery import load
+from cosim.ssp.export import export
+
+
+def export_command(
+    name: Name,
+    *,
+    file: Annotated[Path | None, typer.Option("-o", "--output", help="The file; NAME.ssp if left out.")] = None,
+    assignments: Assignments = None,
+    seed: Seed = 0,
+    stop_time: StopTime = None,
+    events: Events = None,
+) -> None:
+    """Write a scenario as SSP 1.0, with its FMUs and parameter values, for other tools."""
+    notices(shown=True)
+    target = file if file is not None else Path(f"{name}.ssp")
+    values, changes = parse_assignments(assignments or []), parse_events(events or [])
+    print(export(Request(load(name), target.parent, values, seed, stop_time, events=changes), target))

@@ -1,0 +1,19 @@
+"""Options that several commands share."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+Name = Annotated[str, typer.Argument(help="Name of a scenario, see `cosim list`.")]
+Assignments = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="instance.variable=value", help="Set a parameter, or scenario.SETTING."),
+]
+Events = Annotated[
+    list[str] | None,
+    typer.Option("--at", metavar="S:instance.input=value", help="From S [s] on an unconnected input has this value."),
+]
+Seed = Annotated[int, typer.Option(help="Seed of all noise; equal seeds give bit-identical runs.")]
+StopTime = Annotated[float | None, typer.Option("--stop-time", metavar="S", help="End of the run [s].")]

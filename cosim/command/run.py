@@ -1,0 +1,93 @@
+"""`cosim run`: run a scenario and write its results."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from cosim.command.explain import explanation
+from cosim.command.options import Assignments, Events, Name, Seed, StopTime
+from cosim.command.show import show
+from cosim.command.terminal import console_of, notices, progress
+from cosim.engine.schedule import Scheme
+from cosim.errors import RunFailedError, RunInterruptedError, because
+from cosim.model.system import parse_assignments, parse_events
+from cosim.results.summary import Summary
+from cosim.run.prepare import RunPlan
+from cosim.run.request import Request
+from cosim.run.running import OVERVIEW, Finished, run
+from cosim.scenario.discovery import load
+
+
+def run_command(
+    name: Name,
+    *,
+    assignments: Assignments = None,
+    seed: Seed = 0,
+    stop_time: StopTime = None,
+    scheme: Annotated[
+        Scheme, typer.Option(help="jacobi: all step together and exchange afterwards, as most other tools do.")
+    ] = "multirate",
+    step: Annotated[float | None, typer.Option(metavar="S", help="One communication step for all [s].")] = None,
+    folder: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Results folder; results/NAME if left out.")
+    ] = None,
+    events: Events = None,
+    record_every: Annotated[
+        float | None, typer.Option(metavar="S", help="Time between two recorded rows [s]; 0 records at every tick.")
+    ] = None,
+    record_all: Annotated[
+        bool, typer.Option("--record-all", help="Record the signals too that the scenario leaves out.")
+    ] = False,
+    explain: Annotated[bool, typer.Option("--explain", help="Print order, periods, edges and conversions.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON and nothing else.")] = False,
+    no_report: Annotated[bool, typer.Option("--no-report", help="Draw no overview.png.")] = False,
+) -> None:
+    """Run a scenario and write its results."""
+    notices(shown=not quiet)
+    scenario = load(name)
+    target = folder if folder is not None else Path("results") / name
+    values, changes = parse_assignments(assignments or []), parse_events(events or [])
+    request = Request(scenario, target, values, seed, stop_time, scheme, step, changes, record_every, record_all)
+    stop = stop_time if stop_time is not None else scenario.stop_time
+    explainer = _explainer(to_stderr=as_json or quiet) if explain else lambda _plan: None
+    with progress(stop, shown=not (quiet or as_json)) as update:
+        finished = run(request, explainer, update)
+    if not no_report:
+        _draw(finished, target / OVERVIEW)
+    if as_json:
+        print(finished.summary.json())
+    elif not quiet:
+        show(finished.summary, target)
+    _leave(finished.summary)
+
+
+def _explainer(*, to_stderr: bool) -> Callable[[RunPlan], None]:
+    """Prints the explanation of a plan."""
+
+    def explain(plan: RunPlan) -> None:
+        console = console_of(stderr=to_stderr)
+        for title, table in explanation(plan):
+            console.print(title)
+            console.print(table)
+
+    return explain
+
+
+def _draw(finished: Finished, file: Path) -> None:
+    try:
+        finished.draw(file)
+    except OSError as error:
+        file.unlink(missing_ok=True)
+        sentence = f"{file} cannot be written: {because(error)}; results and summary are complete"
+        raise RunFailedError(sentence) from None
+
+
+def _leave(summary: Summary) -> None:
+    if summary.status != "ok":
+        kind = RunInterruptedError if summary.status == "interrupted" else RunFailedError
+        raise kind(f"{summary.reason}; the results so far are kept")

@@ -1,0 +1,35 @@
+"""Where models given by name come from: installed packages offer FMUs through the entry point group `cosim.models`.
+
+An entry names a module with two functions: `names()` gives the models it has, `file(name)` the .fmu file of one.
+"""
+
+from __future__ import annotations
+
+from importlib.metadata import entry_points
+from pathlib import Path
+
+from cosim.errors import CosimError, because, unknown
+from fmukit.errors import BuildError
+from fmukit.store import cache_folder
+
+GROUP = "cosim.models"
+
+
+def find(model: str) -> Path:
+    """The .fmu file of the model called `model`; raises CosimError if nobody offers it or it cannot be built."""
+    suppliers = [entry.load() for entry in entry_points(group=GROUP)]
+    for supplier in suppliers:
+        if model in supplier.names():
+            return _file(supplier, model)
+    raise unknown("model", model, [name for supplier in suppliers for name in supplier.names()])
+
+
+def _file(supplier: object, model: str) -> Path:
+    try:
+        return Path(supplier.file(model))  # type: ignore[attr-defined]
+    except BuildError as error:
+        raise CosimError(f"cannot build {model}: {error}") from None
+    except OSError as error:
+        where = error.filename or cache_folder()
+        remedy = "make room there, or set XDG_CACHE_HOME to a folder you can write into"
+        raise CosimError(f"cannot keep the built {model} in {where}: {because(error)}; {remedy}") from None

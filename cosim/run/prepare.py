@@ -1,0 +1,80 @@
+"""From what a user asks for to what is going to run: everything that can be wrong before the run is found here."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from cosim.engine.loader import Loader
+from cosim.engine.schedule import Schedule, schedule
+from cosim.errors import CosimError
+from cosim.model.assembly import Node, assemble, leave_out
+from cosim.model.clock import SECOND, to_seconds
+from cosim.model.configuration import Configuration
+from cosim.model.system import System
+from cosim.run.request import Request
+from cosim.scenario.definition import Work
+from cosim.scenario.settings import PREFIX, Settings, chosen
+
+
+@dataclass(frozen=True, slots=True)
+class Configured:
+    """A scenario's system with the values it starts with, and what the scenario prepared on the way."""
+
+    work: Work
+    settings: Settings
+    configuration: Configuration
+    prepared: Any
+
+
+@dataclass(frozen=True, slots=True)
+class RunPlan:
+    """What is going to run: the checked nodes of a configured system and the order in which they do."""
+
+    request: Request
+    configured: Configured
+    nodes: dict[str, Node]
+    schedule: Schedule
+
+
+def plan(request: Request, loader: Loader) -> RunPlan:
+    """Prepare the run; raises CosimError for any mistake of the user."""
+    made = configured(request, loader)
+    nodes = assemble(made.configuration, request.seed, request.step)
+    _in_time(request, nodes)
+    leave_out(nodes, request.unrecorded)
+    return RunPlan(request, made, nodes, schedule(nodes, request.scheme))
+
+
+def configured(request: Request, loader: Loader) -> Configured:
+    """The scenario's system with the user's values and events, and what the scenario makes of them."""
+    settings = chosen(request.scenario.name, request.scenario.settings, request.assignments)
+    work = request.scenario.work()
+    prepared = work.prepare(settings)
+    system = requested(work.build(settings, prepared), request)
+    configuration = Configuration(system, loader.faces(system))
+    return Configured(work, settings, configuration, work.complete(configuration, prepared))
+
+
+def requested(system: System, request: Request) -> System:
+    """The scenario's system with what the user sets of it before the start and during the run."""
+    for signal, text in request.assignments:
+        if not signal.startswith(PREFIX):
+            system.set(signal, text)
+    for time, signal, text in request.events:
+        system.at(time, signal, text)
+    return system
+
+
+def _in_time(request: Request, nodes: Mapping[str, Node]) -> None:
+    """Raises CosimError for an event of the user that the run would not reach; those of a scenario may be cut off."""
+    stop, asked = request.stop, {(round(time * SECOND), signal) for time, signal, _ in request.events}
+    for node in nodes.values():
+        for change in node.changes:
+            if (change.time, change.signal) in asked and change.due >= stop:
+                raise CosimError(
+                    f"{node.name}.{change.variable} cannot be set at {to_seconds(change.time):g} s: "
+                    f"the run ends at {to_seconds(stop):g} s, "
+                    f"and {node.name} would take it in at {to_seconds(change.due):g} s"
+                )

@@ -1,0 +1,52 @@
+"""What a user asks for: a scenario with values, events, a seed and a folder for its results."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from cosim.engine.models import find
+from cosim.engine.schedule import Scheme
+from cosim.model.clock import nanoseconds
+from cosim.scenario.definition import Scenario
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """One run to be made.
+
+    `assignments` are (instance.variable or scenario.setting, text); `events` are (time [s], instance.variable, text),
+    besides those of the scenario. `step` [s] is one communication step for all instances instead of a period for each.
+    `stop_time` and `record_every` [s] take the place of the scenario's. `record_all` records what the scenario leaves
+    out. `find` gives the .fmu file of a model by its name.
+    """
+
+    scenario: Scenario
+    folder: Path
+    assignments: Sequence[tuple[str, str]] = ()
+    seed: int = 0
+    stop_time: float | None = None
+    scheme: Scheme = "multirate"
+    step: float | None = None
+    events: Sequence[tuple[float, str, str]] = ()
+    record_every: float | None = None
+    record_all: bool = False
+    find: Callable[[str], Path] = find
+
+    @property
+    def stop(self) -> int:
+        """The end of the run [ns]."""
+        seconds = self.scenario.stop_time if self.stop_time is None else self.stop_time
+        return nanoseconds(seconds, "the stop time")
+
+    @property
+    def interval(self) -> int:
+        """The time between two recorded rows [ns], 0 for a row at every tick."""
+        seconds = self.scenario.record_every if self.record_every is None else self.record_every
+        return nanoseconds(seconds, "the time between two recorded rows") if seconds else 0
+
+    @property
+    def unrecorded(self) -> Sequence[str]:
+        """Patterns of the signals that are left out of the results."""
+        return () if self.record_all else self.scenario.unrecorded

@@ -1,0 +1,132 @@
+"""One run: prepare, load, initialise, advance, record, measure, and write the results into a folder."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+
+from cosim.engine.advice import pass_on
+from cosim.engine.loader import Loader
+from cosim.engine.master import Master, Outcome
+from cosim.engine.slave import Slave, SlaveError
+from cosim.errors import CosimError, because
+from cosim.model.clock import SECOND, to_seconds
+from cosim.results.reading import Facts, Results, load_results
+from cosim.results.recorder import Recorder, recorded
+from cosim.results.storage import PARQUET, STREAM
+from cosim.results.summary import SUMMARY, Summary, summarise, write_summary
+from cosim.run.interrupts import interrupts
+from cosim.run.prepare import RunPlan, plan
+from cosim.run.request import Request
+
+OVERVIEW = "overview.png"
+WRITTEN = (SUMMARY, OVERVIEW, PARQUET, STREAM)
+"""What a run leaves in its folder."""
+Progress = Callable[[int], None]
+"""Is told the simulated time [ns] now and then."""
+Load = Callable[[], Mapping[str, Slave]]
+
+
+@dataclass(frozen=True, slots=True)
+class Finished:
+    """A run that ended, however it did."""
+
+    plan: RunPlan
+    summary: Summary
+    results: Results
+
+    def draw(self, file: Path) -> None:
+        """Draw the picture of the results into `file`, if the scenario has one; raises OSError."""
+        made = self.plan.configured
+        if len(self.results.time) > 1:
+            made.work.draw(self.results, made.prepared, file, self.plan.request.scenario.title)
+
+
+def run(
+    request: Request,
+    explain: Callable[[RunPlan], None] = lambda _plan: None,
+    progress: Progress = lambda _time: None,
+) -> Finished:
+    """Run the scenario into its folder. Mistakes of the user raise CosimError before anything runs.
+
+    A slave that fails or an interrupt end the run with that status; what was recorded until then is kept.
+    """
+    with Loader(request.find) as loader:
+        made = plan(request, loader)
+        explain(made)
+        outcome = execute(made, lambda: loader.slaves(made.nodes), progress)
+    return _concluded(made, outcome)
+
+
+def execute(made: RunPlan, load: Load, progress: Progress = lambda _time: None) -> Outcome:
+    """Load the slaves, initialise and run them, recording into the folder of the request."""
+    with interrupts() as interrupted:
+        slaves = load()
+        master = Master(made.nodes, made.schedule, slaves)
+        recorder = _recorder(made.request, master)
+        try:
+            master.initialise()
+            pass_on(slaves)
+            outcome = master.run(made.request.stop, recorder, partial(_kept, recorder, progress), interrupted)
+        except SlaveError as failure:
+            outcome = Outcome("failed", failure.sentence("at initialisation"), 0, 0, {}, {})
+        except BaseException:
+            with suppress(OSError):
+                recorder.close()
+            raise
+        return _closed(recorder, outcome)
+
+
+def _recorder(request: Request, master: Master) -> Recorder:
+    """A recorder into a folder that holds nothing of an earlier run."""
+    folder = request.folder
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name in WRITTEN:
+            (folder / name).unlink(missing_ok=True)
+        kept = recorded(master.signals, request.unrecorded)
+        return Recorder(folder, master.vector, master.signals, kept, request.interval, request.stop)
+    except OSError as error:
+        raise CosimError(f"cannot write into {error.filename or folder}: {because(error)}") from None
+
+
+def _closed(recorder: Recorder, outcome: Outcome) -> Outcome:
+    try:
+        recorder.close()
+    except OSError as error:
+        if outcome.status != "failed":
+            return replace(outcome, status="failed", reason=f"the results cannot be written: {because(error)}")
+    return outcome
+
+
+def _kept(recorder: Recorder, progress: Progress, time: int) -> None:
+    recorder.keep()
+    progress(time)
+
+
+def _concluded(made: RunPlan, outcome: Outcome) -> Finished:
+    """The results read back and measured, and the summary, which is written beside them."""
+    request, configured = made.request, made.configured
+    results = load_results(request.folder, _facts(made))
+    metrics = configured.work.metrics(results, configured.prepared) if len(results.time) > 1 else {}
+    about = (request.scenario.name, request.seed, outcome, made.nodes, metrics)
+    summary = summarise(*about, request.interval, request.unrecorded)
+    try:
+        write_summary(summary, request.folder)
+    except OSError as error:
+        sentence = f"{request.folder / SUMMARY} cannot be written: {because(error)}"
+        summary = replace(summary, status="failed", reason="; ".join(filter(None, [summary.reason, sentence])))
+    return Finished(made, summary, results)
+
+
+def _facts(made: RunPlan) -> Facts:
+    configuration = made.configured.configuration
+    return Facts(
+        periods={name: node.period / SECOND for name, node in made.nodes.items()},
+        settings=made.configured.settings,
+        values={name: configuration.values(name) | node.values for name, node in made.nodes.items()},
+        stop=to_seconds(made.request.stop),
+    )

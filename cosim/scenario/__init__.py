@@ -1,0 +1,1 @@
+"""What a scenario is, what it does, and where scenarios are found."""
