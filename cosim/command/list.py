@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Annotated, Any
@@ -10,18 +11,29 @@ from typing import Annotated, Any
 import typer
 from rich.table import Table
 
-from cosim.command.terminal import console_of
+from cosim.command.terminal import console_of, notices
+from cosim.errors import CosimError
 from cosim.scenario.definition import Scenario
 from cosim.scenario.discovery import load, names
 
 
 def list_command(as_json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False) -> None:
     """Show the scenarios with what each reproduces."""
-    found = [load(name) for name in names()]
+    notices(shown=True)
+    found = [scenario for name in names() if (scenario := _loaded(name)) is not None]
     if as_json:
         print(json.dumps([_listed(scenario) for scenario in found], indent=2))
     else:
         console_of().print(_table(found))
+
+
+def _loaded(name: str) -> Scenario | None:
+    """The scenario; None, and a word about it on stderr, when its package is broken."""
+    try:
+        return load(name)
+    except CosimError as error:
+        logging.getLogger("cosim").warning("%s", error)
+        return None
 
 
 def _table(scenarios: Sequence[Scenario]) -> Table:

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from ctypes import c_double
 from functools import partial
 from time import perf_counter_ns
 
 import numpy as np
 
-from cosim.engine.slave import WARNING, Calls, Slave, SlaveError
+from cosim.engine.order import Action
+from cosim.engine.slave import WARNING, Calls, Slave, SlaveError, do_nothing
 from cosim.model.assembly import Node
 from cosim.model.signals import Vector
-
-Action = Callable[[], object]
 
 
 class Bound:
@@ -53,7 +52,7 @@ class Bound:
 def gather(node: Node, vector: Vector, positions: Mapping[str, int], u: Vector) -> Action:
     """One indexed copy of the connected inputs, converted where units differ."""
     if not node.incoming:
-        return int
+        return do_nothing
     connections = node.incoming.values()
     index = np.array([positions[f"{c.source}.{c.output}"] for c in connections])
     take = partial(vector.take, index, None, u, "clip")  # "clip" writes straight into u, "raise" copies twice

@@ -6,12 +6,11 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import partial
 
-from cosim.engine.bound import Action
+from cosim.engine.order import Action, Order, Tick
+from cosim.engine.slave import do_nothing
 from cosim.model.assembly import Node
 from cosim.model.face import Value
 from cosim.model.signals import Vector
-
-Tick = tuple[int, list[Action]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,13 +26,13 @@ class Due:
     show: Action
 
 
-def merged(ticks: Iterator[Tick], record: Action, dues: Iterable[Due]) -> Iterator[Tick]:
+def merged(ticks: Iterable[Tick], dues: Iterable[Due]) -> Iterator[Tick]:
     """The ticks with the changes: all are in the row of their tick, and set just before their slave's other inputs."""
     at: dict[int, list[Due]] = {}
     for due in dues:
         at.setdefault(due.time, []).append(due)
-    for time, actions in ticks:
-        yield time, _with(at[time], actions, record) if time in at else actions
+    for time, order in ticks:
+        yield time, _with(at[time], order) if time in at else order
 
 
 def shown(node: Node) -> list[str]:
@@ -50,11 +49,10 @@ def start(node: Node, name: str) -> float:
 
 def writer(vector: Vector, place: int | None, value: Value) -> Action:
     """Writes a number to its place in the vector; a text has none."""
-    return int if place is None else partial(vector.__setitem__, place, float(value))
+    return do_nothing if place is None else partial(vector.__setitem__, place, float(value))
 
 
-def _with(dues: list[Due], actions: list[Action], record: Action) -> list[Action]:
+def _with(dues: list[Due], order: Order) -> Order:
     """Events at a slave that runs before the row come first of all, those at one that steps after it follow the row."""
-    place = actions.index(record) + 1
     early, late = ([due.set for due in dues if due.early is first] for first in (True, False))
-    return [*(due.show for due in dues), *early, *actions[:place], *late, *actions[place:]]
+    return order.framed([*(due.show for due in dues), *early], late)

@@ -4,55 +4,21 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Mapping, Sequence
-from ctypes import byref, c_double, c_int, c_size_t, c_uint, c_void_p
-from functools import cache, partial
+from ctypes import c_double, c_int, c_size_t, c_uint, c_void_p
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from fmpy import calloc, free
 from fmpy.fmi1 import FMICallException
-from fmpy.fmi2 import (
-    FMU2Slave,
-    fmi2CallbackAllocateMemoryTYPE,
-    fmi2CallbackFreeMemoryTYPE,
-    fmi2CallbackFunctions,
-    fmi2CallbackLoggerTYPE,
-)
+from fmpy.fmi2 import FMU2Slave
 
-from cosim.engine.slave import WARNING, Call, Calls, Memory, SlaveError
+from cosim.engine.messages import Mailbox, callbacks
+from cosim.engine.slave import WARNING, Call, Calls, Memory, SlaveError, do_nothing
 from cosim.errors import CosimError
 from cosim.model.face import Face, Value
 from cosim.model.signals import Vector
 
 _ERROR = 3
-_messages: dict[str, str] = {}
-
-
-def _note(_environment: object, instance: bytes, status: int, _category: bytes, message: bytes) -> None:
-    if status >= WARNING and message:
-        text = " ".join(message.decode("utf-8", "replace").split())
-        _messages[(instance or b"").decode("utf-8", "replace")] = text
-
-
-_logger = fmi2CallbackLoggerTYPE(_note)
-
-
-@cache
-def _callbacks(formatted: bool) -> Any:
-    """The callbacks handed to FMUs; `formatted` puts FMPy's printf proxy before the logger.
-
-    PythonFMU hands Python text over as the format itself, where a stray % would read arguments that do not exist, so
-    its messages are taken as they are.
-    """
-    callbacks = fmi2CallbackFunctions()
-    callbacks.logger = _logger
-    callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
-    callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
-    if formatted:
-        from fmpy.logging import addLoggerProxy  # noqa: PLC0415  (a native library not every platform has)
-
-        addLoggerProxy(byref(callbacks))
-    return callbacks
 
 
 class FmuSlave:
@@ -62,12 +28,13 @@ class FmuSlave:
         self.face = face
         self._name = name
         self._raw = face.tool.startswith("PythonFMU")
-        _messages.pop(name, None)
+        self._mailbox = Mailbox()
+        self._callbacks = callbacks(self._mailbox, formatted=not self._raw)  # the FMU keeps a pointer to them
         try:
             self._fmu = FMU2Slave(
                 instanceName=name, guid=face.guid, modelIdentifier=face.identifier, unzipDirectory=str(folder)
             )
-            self._fmu.instantiate(callbacks=_callbacks(formatted=not self._raw), loggingOn=True)
+            self._fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
         except Exception as error:
             reason = self.message() or " ".join(str(error).split())
             raise CosimError(f"cannot instantiate {name} ({face.model}): {reason}") from None
@@ -95,7 +62,7 @@ class FmuSlave:
         )
 
     def message(self) -> str:
-        text = _messages.get(self._name, "")
+        text = self._mailbox.text
         return text.replace("%%", "%") if self._raw else text
 
     def close(self) -> None:
@@ -109,7 +76,7 @@ class FmuSlave:
 
     def _transfer(self, function: Any, names: Sequence[str], values: Vector) -> Call:
         if not names:
-            return int
+            return do_nothing
         references = (c_uint * len(names))(*(self.face.ports[name].reference for name in names))
         memory = (c_double * len(names)).from_buffer(values.data)
         return partial(function, _pointer(self._fmu.component), references, c_size_t(len(names)), memory)

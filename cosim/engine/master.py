@@ -20,9 +20,10 @@ from typing import Literal
 import numpy as np
 
 from cosim.engine import changes
-from cosim.engine.bound import Action, Bound, gather
+from cosim.engine.bound import Bound, gather
+from cosim.engine.order import Action, Order, Tick
 from cosim.engine.schedule import Schedule, active_ticks
-from cosim.engine.slave import Memory, Slave, SlaveError
+from cosim.engine.slave import Memory, Slave, SlaveError, do_nothing
 from cosim.errors import because
 from cosim.model.assembly import Node
 from cosim.model.clock import SECOND, to_seconds
@@ -85,7 +86,7 @@ class Master:
         """
         start = perf_counter_ns()
         status, reason, time = "ok", "", 0
-        ticks = changes.merged(self._ticks(stop, record), record, self._changes())
+        ticks = changes.merged(self._ticks(stop, record), self._changes())
         try:
             time = self._loop(ticks, progress, interrupted, stop)
             if time < stop:
@@ -105,7 +106,7 @@ class Master:
 
     def _loop(
         self,
-        ticks: Iterator[tuple[int, list[Action]]],
+        ticks: Iterator[Tick],
         progress: Callable[[int], None],
         interrupted: Callable[[], bool],
         stop: int,
@@ -113,28 +114,28 @@ class Master:
         clock, time = self._time, 0
         while not interrupted():
             block = list(islice(ticks, _BLOCK))
-            for time, actions in block:
+            for time, order in block:
                 clock.value = time / SECOND
-                for action in actions:
+                for action in order.actions:
                     action()
             progress(time)
             if len(block) < _BLOCK:
                 return stop
         return time
 
-    def _ticks(self, stop: int, record: Action) -> Iterator[tuple[int, list[Action]]]:
+    def _ticks(self, stop: int, record: Action) -> Iterator[Tick]:
         """(time, what to do) in time order; the last steps of the parallel slaves are cut to end at `stop`."""
-        cycle = self._plan(min(self.schedule.cycle, stop), record)
+        cycle = self._cycle(min(self.schedule.cycle, stop), record)
         tail = stop - max((self._nodes[name].period for name in self.schedule.parallel), default=0)
         for start in range(0, stop, self.schedule.cycle):
-            for offset, actions in cycle:
+            for offset, order in cycle:
                 time = start + offset
                 if time > tail:
                     if time >= stop:
                         return
-                    yield time, [partial(self._cut, time, stop), *actions]
+                    yield time, order.framed([partial(self._cut, time, stop)])
                 else:
-                    yield time, actions
+                    yield time, order
 
     def _changes(self) -> list[changes.Due]:
         """Everything events do, in the order of their instances: sequential ones first."""
@@ -156,26 +157,22 @@ class Master:
             if time % period == 0:
                 self._bound[name].step.value = to_seconds(min(period, stop - time))
 
-    def _plan(self, end: int, record: Action) -> list[tuple[int, list[Action]]]:
-        """One whole cycle, with one shared list of actions per set of due instances."""
+    def _cycle(self, end: int, record: Action) -> list[Tick]:
+        """One whole cycle, with one shared order per set of due instances."""
         periods = {name: self._nodes[name].period for name in self.schedule.initial}
-        actions: dict[tuple[str, ...], list[Action]] = {}
-        plan = []
+        orders: dict[tuple[str, ...], Order] = {}
+        cycle = []
         for time, due in active_ticks(periods, end):
-            if due not in actions:
-                actions[due] = self._actions(set(due), record)
-            plan.append((time, actions[due]))
-        return plan
+            if due not in orders:
+                orders[due] = self._order(set(due), record)
+            cycle.append((time, orders[due]))
+        return cycle
 
-    def _actions(self, due: set[str], record: Action) -> list[Action]:
+    def _order(self, due: set[str], record: Action) -> Order:
         parallel = [self._bound[name] for name in self.schedule.parallel if name in due]
         sequential = [self._bound[name].exchange for name in self.schedule.sequential if name in due]
-        return [
-            *(bound.publish for bound in parallel),
-            *sequential,
-            record,
-            *(bound.exchange for bound in parallel),
-        ]
+        published = [bound.publish for bound in parallel]
+        return Order([*published, *sequential], record, [bound.exchange for bound in parallel])
 
     def _finish(self, stop: int, record: Action) -> None:
         self._time.value = to_seconds(stop)
@@ -199,7 +196,7 @@ class Master:
         u, step = np.zeros(len(node.incoming)), c_double(to_seconds(node.period))
         shown = self.vector[first : first + len(outputs)]
         y = shown
-        publish: Action = int
+        publish: Action = do_nothing
         if node.name in self.schedule.parallel:  # the outputs belong to the end of the step
             y = shown.copy()
             publish = partial(np.copyto, shown, y)

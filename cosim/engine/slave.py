@@ -11,8 +11,13 @@ from cosim.model.signals import Vector
 
 Call = Callable[[], int]
 
-WARNING = 1
+OK, WARNING = 0, 1
 STATUS = {2: "discard", 3: "error", 4: "fatal error", 5: "pending"}
+
+
+def do_nothing() -> int:
+    """The call of a slave that has nothing to take or to give, and the action of one that has nothing to show."""
+    return OK
 
 
 class Calls(NamedTuple):

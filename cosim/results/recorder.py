@@ -19,7 +19,7 @@ from cosim.model.patterns import matches_any
 from cosim.model.signals import Signal, Vector
 from cosim.results.storage import PARQUET, STREAM, write_parquet
 
-_ROWS, _VALUES = 512, 1 << 17  # in a chunk, at most
+_ROWS, CHUNK_VALUES = 512, 1 << 17  # in a chunk, at most
 _PATIENCE = 2.0  # [s] of wall time
 _ARRAY = re.compile(r"\[\d+]")
 
@@ -53,7 +53,7 @@ class Recorder:
         self._every, self._stop = every, stop
         self._clock, self._next = c_double.from_buffer(vector.data), -math.inf
         self._index = np.array([0, *(1 + i for i in chosen)])
-        self._chunk = np.zeros((min(_ROWS, 1 + _VALUES // len(self._index)), len(self._index)))
+        self._chunk = np.zeros((min(_ROWS, 1 + CHUNK_VALUES // len(self._index)), len(self._index)))
         self._rows = list(self._chunk)
         self._columns = np.zeros(self._chunk.T.shape)
         schema = _schema([signals[i] for i in chosen])

@@ -13,8 +13,10 @@ from pyarrow import parquet
 
 STREAM = "results.arrows"
 PARQUET = "results.parquet"
-_GROUP = 1 << 19  # values that a row group of the Parquet file holds whatever the number of its rows
-_OVERHEAD = 256  # values that take as much memory as what is kept of a column of a row group until the file is written
+GROUP_VALUES = 1 << 19
+"""Values that a row group of the Parquet file holds whatever the number of its rows."""
+COLUMN_OVERHEAD = 256
+"""Values that take as much memory as what is kept of a column of a row group until the file is written."""
 
 
 def read_stream(path: Path) -> Any:
@@ -53,7 +55,7 @@ def _groups(reader: Any, rows: int) -> Iterator[Any]:
     All show the same memory, each until the next is asked for. Arrow's own concatenation of a few rows of thousands of
     columns takes many times the memory of their values.
     """
-    group, filled = np.empty((len(reader.schema), _group_rows(rows, len(reader.schema)))), 0
+    group, filled = np.empty((len(reader.schema), group_rows(rows, len(reader.schema)))), 0
     for batch in _batches(reader):
         values = batch.to_tensor(row_major=False).to_numpy().T if len(batch) else group[:, :0]
         while values.shape[1]:
@@ -67,9 +69,9 @@ def _groups(reader: Any, rows: int) -> Iterator[Any]:
         yield pa.Table.from_arrays([pa.array(column) for column in group[:, :filled]], schema=reader.schema)
 
 
-def _group_rows(rows: int, columns: int) -> int:
+def group_rows(rows: int, columns: int) -> int:
     """How many rows make a row group: of n groups of wide rows the memory is columns (rows / n + n overhead) values.
 
     It is least at n = sqrt(rows / overhead).
     """
-    return max(1, min(rows, max(math.isqrt(_OVERHEAD * rows), 1 + _GROUP // columns)))
+    return max(1, min(rows, max(math.isqrt(COLUMN_OVERHEAD * rows), 1 + GROUP_VALUES // columns)))

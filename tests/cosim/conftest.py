@@ -1,11 +1,19 @@
-"""Small FMUs made with plain PythonFMU, for tests of the loader and the command line."""
+"""Small FMUs made with plain PythonFMU, and scenarios and models offered as an installed package would."""
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Callable
+from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 from pythonfmu.builder import FmuBuilder
+
+from cosim.engine import models
+from cosim.scenario import discovery
+from cosim.scenario.definition import Scenario
 
 _TANK = """
 from pythonfmu import Fmi2Causality, Fmi2Initial, Fmi2Slave, Fmi2Variability, Integer, Real, String
@@ -44,3 +52,25 @@ def tank(tmp_path_factory: pytest.TempPathFactory) -> Path:
     script = folder / "cosim_test_tank.py"
     script.write_text(_TANK.format(name="CosimTestTank"))
     return Path(FmuBuilder.build_FMU(script, dest=folder))
+
+
+@pytest.fixture
+def offer(monkeypatch: pytest.MonkeyPatch) -> Callable[[Scenario, dict[str, Path]], None]:
+    """offer(scenario, {"Tank": file}): from now on an installed package offers this scenario and these models."""
+
+    def offered(scenario: Scenario, files: dict[str, Path]) -> None:
+        module = ModuleType("offered_by_a_test")
+        module.SCENARIO, module.names, module.file = scenario, lambda: list(files), files.__getitem__  # type: ignore[attr-defined]
+        monkeypatch.setitem(sys.modules, module.__name__, module)
+        more = [
+            EntryPoint(scenario.name, f"{module.__name__}:SCENARIO", discovery.GROUP),
+            EntryPoint("test", module.__name__, models.GROUP),
+        ]
+
+        def found(*, group: str) -> list[EntryPoint]:
+            return [*entry_points(group=group), *(entry for entry in more if entry.group == group)]
+
+        monkeypatch.setattr(discovery, "entry_points", found)
+        monkeypatch.setattr(models, "entry_points", found)
+
+    return offered

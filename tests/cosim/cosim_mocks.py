@@ -1,17 +1,25 @@
-"""Slaves made of lambdas, to drive the master without FMUs."""
+"""Slaves made of lambdas, to drive the master without FMUs, and scenarios made of functions."""
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 from cosim.engine.master import Master, Outcome
 from cosim.engine.schedule import Scheme, schedule
 from cosim.engine.slave import Calls, Memory, SlaveError
 from cosim.model.assembly import Node, assemble
 from cosim.model.clock import SECOND
+from cosim.model.configuration import Configuration
 from cosim.model.face import Face, Port, Value
 from cosim.model.system import System
 from cosim.model.units import Unit
+from cosim.run.prepare import Configured, RunPlan
+from cosim.run.request import Request
+from cosim.scenario.definition import Scenario, Work
 
 Step = Callable[[float, float, dict[str, float]], "dict[str, float] | int"]
 
@@ -79,6 +87,7 @@ class Mock:
         def step() -> int:
             time, length = memory.time.value, memory.step.value
             self.steps.append((time, length, dict(held)))
+            self.log.append(("step", time))
             result = self._step(time, length, held)
             if isinstance(result, int):
                 return result
@@ -98,11 +107,40 @@ class Mock:
         self.closed = True
 
 
+def assembled(system: System, faces: Mapping[str, Face], seed: int = 0, step: float | None = None) -> dict[str, Node]:
+    """The nodes of `system` with all that is set of it, on models with these faces."""
+    return assemble(Configuration(system, faces), seed, step)
+
+
+def faces_of(mocks: Mapping[str, Mock]) -> dict[str, Face]:
+    return {name: mock.face for name, mock in mocks.items()}
+
+
+def scenario_of(name: str, build: Callable[..., System], *, stop_time: float = 1.0, **options: Any) -> Scenario:
+    """A scenario whose work is `build(settings, prepared)`; options of `Work` and of `Scenario` by their names."""
+    module = ModuleType(f"scenario_{name}")
+    steps = {step: options.pop(step) for step in ("prepare", "complete", "metrics", "picture") if step in options}
+    module.WORK = Work(build, **steps)  # type: ignore[attr-defined]
+    sys.modules[module.__name__] = module
+    return Scenario(name, options.pop("title", name), "none", stop_time, module.__name__, **options)
+
+
+def plan_of(
+    system: System, mocks: Mapping[str, Mock], folder: Path = Path(), *, stop: float = 1.0, scheme: Scheme = "multirate"
+) -> RunPlan:
+    """What is going to run: `system` on the mocks, to `stop` [s], into `folder`."""
+    configuration = Configuration(system, faces_of(mocks))
+    scenario = scenario_of("mocked", lambda settings, prepared: system, stop_time=stop)
+    nodes = assemble(configuration, 0)
+    made = Configured(scenario.work(), {}, configuration, None)
+    return RunPlan(Request(scenario, folder, scheme=scheme), made, nodes, schedule(nodes, scheme))
+
+
 def mastered(
     system: System, mocks: Mapping[str, Mock], scheme: Scheme = "multirate", step: float | None = None
 ) -> tuple[Master, dict[str, Node]]:
     """An initialised master on the mocks."""
-    nodes = assemble(system, {name: mock.face for name, mock in mocks.items()}, 0, step)
+    nodes = assembled(system, faces_of(mocks), 0, step)
     master = Master(nodes, schedule(nodes, scheme), dict(mocks))
     master.initialise()
     return master, nodes

@@ -1,11 +1,12 @@
 """Wiring and values: everything a user can get wrong is one sentence that names it."""
 
 import pytest
-from cosim_mocks import RADIAN, UNITS, face
+from cosim_mocks import RADIAN, UNITS, assembled, face
 
 from cosim.errors import CosimError
-from cosim.model.assembly import assemble, derived_seed, leave_out
+from cosim.model.assembly import derived_seed, leave_out
 from cosim.model.face import Face, Port
+from cosim.model.patterns import matches
 from cosim.model.system import System, parse_assignments
 from cosim.model.units import Unit, conversion
 
@@ -20,7 +21,7 @@ def pair(source: Face, target: Face, names=None):
     system.add("source", "Mock")
     system.add("target", "Mock")
     system.connect("source", "target", names)
-    return assemble(system, {"source": source, "target": target}, 0)
+    return assembled(system, {"source": source, "target": target}, 0)
 
 
 def single(parameters, period=None, extra=(GAIN, SWITCH, SEED)):
@@ -28,7 +29,7 @@ def single(parameters, period=None, extra=(GAIN, SWITCH, SEED)):
     system.add("car1.llc", "Mock", period=period)
     for name, value in parameters.items():
         system.set(name, value)
-    return assemble(system, {"car1.llc": face({"u": "m"}, {"y": "m"}, extra=extra)}, 7)["car1.llc"]
+    return assembled(system, {"car1.llc": face({"u": "m"}, {"y": "m"}, extra=extra)}, 7)["car1.llc"]
 
 
 def test_same_name_to_same_name():
@@ -75,10 +76,10 @@ def test_an_input_is_fed_once_and_not_set_as_well():
     faces = {"a": face({}, {"x": "m"}), "b": face({}, {"x": "m"}), "sink": face({"x": "m"}, {})}
     system.set("sink.x", 3.0)
     with pytest.raises(CosimError, match=r"sink\.x cannot be set, as it is connected: a\.x -> sink\.x"):
-        assemble(system, faces, 0)
+        assembled(system, faces, 0)
     system.connect("b", "sink")
     with pytest.raises(CosimError, match="is fed twice"):
-        assemble(system, faces, 0)
+        assembled(system, faces, 0)
 
 
 @pytest.mark.parametrize(
@@ -146,37 +147,53 @@ def cars(*names):
     return system
 
 
-def values(system, variable):
-    return {n: i.parameters[variable] for n, i in system.instances.items() if variable in i.parameters}
+def given(system, variable):
+    """What instances were told of `variable`, which all of them have."""
+    faces = {name: face({variable: "m"}) for name in system.instances}
+    nodes = assembled(system, faces)
+    return {name: node.values[variable] for name, node in nodes.items() if variable in node.values}
 
 
 def test_a_pattern_sets_every_instance_it_fits():
     system = cars("car1.llc", "car2.llc", "car2.plant", "car10.llc", "car1")
     system.set("car*.llc.filter.speed", 40)
-    assert values(system, "filter.speed") == {"car1.llc": 40, "car2.llc": 40, "car10.llc": 40}
+    assert given(system, "filter.speed") == {"car1.llc": 40, "car2.llc": 40, "car10.llc": 40}
+    system = cars("car1.llc", "car2.llc", "car2.plant", "car10.llc", "car1")
     system.set("car?.llc.gain", 1)
-    assert values(system, "gain") == {"car1.llc": 1, "car2.llc": 1}
+    assert given(system, "gain") == {"car1.llc": 1, "car2.llc": 1}
     system.set("car2.*.gain", 2)
-    assert values(system, "gain") == {"car1.llc": 1, "car2.llc": 2, "car2.plant": 2}
+    assert given(system, "gain") == {"car1.llc": 1, "car2.llc": 2, "car2.plant": 2}
+
+
+def test_two_stars_stand_for_dots_too_and_brackets_for_themselves():
+    system = cars("car1.llc", "car2.plant", "tank")
+    system.set("**.gain", 3)
+    assert given(system, "gain") == {"car1.llc": 3, "car2.plant": 3, "tank": 3}
+    assert matches("a.preview[3].x", "a.*[3].x")
+    assert not matches("a.preview3.x", "a.*[3].x")
+    assert not matches("a.b.c.x", "a.*.x")
 
 
 def test_the_later_of_a_pattern_and_a_name_counts():
-    system = cars("car1.llc", "car2.llc")
-    system.set("car*.llc.gain", 1)
-    system.set("car2.llc.gain", 2)
-    assert values(system, "gain") == {"car1.llc": 1, "car2.llc": 2}
+    for signals, expected in ((("car*.llc.gain", "car2.llc.gain"), 2), (("car2.llc.gain", "car*.llc.gain"), 2)):
+        system = cars("car1.llc", "car2.llc")
+        for value, signal in enumerate(signals, start=1):
+            system.set(signal, value)
+        assert given(system, "gain")["car2.llc"] == expected
 
 
 def test_a_name_is_no_pattern():
-    system = cars("tank", "rank")
-    system.set("tank.level*", 1)
-    assert values(system, "level*") == {"tank": 1}
+    system = cars("tank*", "tanks")
+    system.set("tank*.level", 1)
+    assert given(system, "level") == {"tank*": 1}
 
 
 @pytest.mark.parametrize("pattern", ["bus*.llc.gain", "car*.llc", "car*.llc.speed", "*"])
 def test_a_pattern_that_fits_nothing_is_said(pattern):
+    system = cars("car1.plant.wheel", "car1.llc.left")
+    system.set(pattern, 1)
     with pytest.raises(CosimError, match=r"no instance fits the pattern .* as in car\*\.llc\.filter\.speed"):
-        cars("car1.plant.wheel", "car1.llc.left").set(pattern, 1)
+        given(system, "gain")
 
 
 def with_gain(*names, of=("gain",)):
@@ -187,14 +204,14 @@ def with_gain(*names, of=("gain",)):
 def test_a_pattern_passes_over_instances_without_the_variable():
     system = cars("car1.llc", "car2.llc", "car2.plant")
     system.set("car*.*.gain", 1)
-    nodes = assemble(system, with_gain("car1.llc", "car2.plant")(system), 0)
+    nodes = assembled(system, with_gain("car1.llc", "car2.plant")(system), 0)
     assert {name: node.values for name, node in nodes.items()} == {
         "car1.llc": {"gain": 1.0},
         "car2.llc": {},
         "car2.plant": {"gain": 1.0},
     }
     with pytest.raises(CosimError, match=r"variable of the instances that fit 'car\*\.\*\.gain' 'gain'; .*mean gains"):
-        assemble(system, with_gain("car1.llc", of=("gains",))(system), 0)
+        assembled(system, with_gain("car1.llc", of=("gains",))(system), 0)
 
 
 @pytest.mark.parametrize("order", [1, -1])
@@ -203,7 +220,7 @@ def test_a_name_beside_a_pattern_must_have_the_variable(order):
     for assignment in ("car2.llc.gain", "car*.llc.gain")[::order]:
         system.set(assignment, 1)
     with pytest.raises(CosimError, match=r"unknown variable of car2\.llc \(Mock\) 'gain'"):
-        assemble(system, with_gain("car1.llc")(system), 0)
+        assembled(system, with_gain("car1.llc")(system), 0)
 
 
 def test_an_unknown_instance_is_named_with_its_dots():
@@ -222,7 +239,7 @@ def test_what_nothing_reads_can_be_left_out():
     system.add("car2", "Mock")
     system.connect("car1", "car2", {"x": "wheel.fl"})
     faces = dict.fromkeys(("car1", "car2"), face({"x": "m"}, {"wheel.fl": "m", "wheel.fr": "m", "y": "m"}))
-    nodes = assemble(system, faces, 0)
-    leave_out(nodes, ["*.f?", "car2.y"])
+    nodes = assembled(system, faces, 0)
+    leave_out(nodes, ["**.f?", "car2.y"])
     assert nodes["car1"].outputs == ("wheel.fl", "y"), "the one that is read stays"
     assert nodes["car2"].outputs == ()

@@ -1,18 +1,20 @@
 """The command line as a user meets it, on small FMUs made with plain PythonFMU."""
 
 import json
+import math
 import sys
 import zipfile
-from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import pytest
+from cosim_mocks import scenario_of
 
-import scenarios
 from cosim.command.main import main
 from cosim.model.system import System
-from cosim.results.reading import load_results
-from cosim.scenario import NumberSetting, Scenario, Setting
+from cosim.results.reading import Facts, load_results
+from cosim.scenario.metric import Metric
+from cosim.scenario.settings import NumberSetting, Setting
 
 SUMMARY = {
     "scenario": str,
@@ -27,40 +29,42 @@ SUMMARY = {
     "git": str,
     "instances": dict,
     "metrics": dict,
+    "units": dict,
 }
 
 
-@pytest.fixture
-def cosim(tank, monkeypatch, tmp_path, capsys):
-    """Runs `cosim ARGS`; gives (exit code, stdout, stderr). The scenario `tanks` has the instances first and second."""
+def measured(results, _prepared):
+    return {
+        "level_last": Metric(float(results["second.level"][-1]), "m"),
+        "nothing": Metric(float("nan")),
+        "asked": Metric(results.settings["period"], "s"),
+        "poured": Metric(results.number("first", "inflow")),
+        "tilt": Metric(math.pi / 2, "rad"),
+    }
 
-    def build(settings):
+
+@pytest.fixture
+def tanks(tmp_path):
+    """tanks(**options): a scenario with the instances first and second, whose models are Tank or a file bad.fmu."""
+
+    def build(settings, _prepared):
         system = System()
         system.add("first", "Tank" if settings["source"] == "good" else str(tmp_path / "bad.fmu"), period=0.01)
         system.add("second", "Tank", period=settings["period"])
         system.connect("first", "second", {"inflow": "level"})
         return system
 
-    scenario = Scenario(
-        name="tanks",
-        title="two tanks",
-        figures="none",
-        stop_time=1.0,
-        build=build,
-        find=lambda model: tank,
-        metrics=lambda results: {
-            "level_last": float(results["second.level"][-1]),
-            "nothing": float("nan"),
-            "asked": results.settings["period"],
-            "poured": results.parameters["first"].get("inflow", 0.0),
-        },
-        settings={
-            "source": Setting("good", ("good", "bad"), "which file"),
-            "period": NumberSetting(0.02, 0.01, 0.5, "s", "period of the second tank"),
-        },
-    )
-    known = scenarios.load
-    monkeypatch.setattr(scenarios, "load", lambda name: scenario if name == "tanks" else known(name))
+    settings = {
+        "source": Setting("good", ("good", "bad"), "which file"),
+        "period": NumberSetting(0.02, 0.01, 0.5, "s", "period of the second tank"),
+    }
+    return partial(scenario_of, "tanks", build, settings=settings)
+
+
+@pytest.fixture
+def cosim(tank, tanks, offer, monkeypatch, capsys):
+    """Runs `cosim ARGS`; gives (exit code, stdout, stderr)."""
+    offer(tanks(metrics=measured), {"Tank": tank})
 
     def call(*args):
         monkeypatch.setattr(sys, "argv", ["cosim", *args])
@@ -82,12 +86,15 @@ def test_a_run_writes_results_and_summary(cosim, tmp_path):
     assert (summary["status"], summary["seed"], summary["stop_time"]) == ("ok", 4, 1.0)
     assert summary["instances"]["first"].keys() == {"model", "period", "calls", "time"}
     assert [summary["instances"][name]["calls"] for name in ("first", "second")] == [100, 50]
-    results = load_results(tmp_path / "r", {"first": 0.01})
+    results = load_results(tmp_path / "r", Facts({"first": 0.01}))
     levels = [1.0]
     for _ in range(100):
         levels.append(levels[-1] + 0.01 * (3.0 - levels[-1]))
     assert results["first.level"].tolist() == pytest.approx(levels, rel=1e-15)
-    known = {"nothing": None, "asked": 0.02, "poured": 3.0}
+    assert summary["units"] == {"level_last": "m", "nothing": "1", "asked": "s", "poured": "1", "tilt": "rad"}
+    tilt = next(line.replace("│", "").split() for line in out.splitlines() if "tilt" in line)
+    assert tilt == ["tilt", "90.000", "deg"], "degrees for the reader"
+    known = {"nothing": None, "asked": 0.02, "poured": 3.0, "tilt": math.pi / 2}
     assert summary["metrics"] == {"level_last": results["second.level"][-1], **known}
 
 
@@ -95,7 +102,7 @@ def test_rows_only_every_so_often(cosim, tmp_path):
     code, _, _ = cosim("run", "tanks", "-o", str(tmp_path), "--record-every", "0.3", "--quiet")
     assert code == 0
     assert json.loads((tmp_path / "summary.json").read_text())["record_every"] == 0.3
-    assert load_results(tmp_path, {}).time.tolist() == [0.0, 0.3, 0.6, 0.9, 1.0]
+    assert load_results(tmp_path, Facts({})).time.tolist() == [0.0, 0.3, 0.6, 0.9, 1.0]
     code, _, err = cosim("run", "tanks", "-o", str(tmp_path / "no"), "--record-every", "-1")
     assert (code, err) == (
         2,
@@ -103,14 +110,13 @@ def test_rows_only_every_so_often(cosim, tmp_path):
     )
 
 
-def test_signals_left_out_are_recorded_when_asked_for(cosim, tmp_path, monkeypatch):
-    tanks = scenarios.load("tanks")
-    metrics = {"metrics": lambda _results: {}, "unrecorded": ("*.lev?l",)}
-    monkeypatch.setattr(scenarios, "load", lambda _name: replace(tanks, **metrics))
+def test_signals_left_out_are_recorded_when_asked_for(cosim, tanks, tank, offer, tmp_path):
+    offer(tanks(unrecorded=("*.lev?l",)), {"Tank": tank})
     whole, part = tmp_path / "whole", tmp_path / "part"
     assert cosim("run", "tanks", "-o", str(whole), "--quiet", "--record-all")[0] == 0
     assert cosim("run", "tanks", "-o", str(part), "--quiet")[0] == 0
-    assert (load_results(whole, {}).names, load_results(part, {}).names) == (["first.level", "second.level"], [])
+    names = [load_results(folder, Facts({})).names for folder in (whole, part)]
+    assert names == [["first.level", "second.level"], []]
     left_out = [json.loads((folder / "summary.json").read_text())["unrecorded"] for folder in (whole, part)]
     assert left_out == [[], ["*.lev?l"]]
 
@@ -131,11 +137,10 @@ def test_a_number_is_a_setting(cosim, tmp_path):
     assert summary["instances"]["second"]["period"] == summary["metrics"]["asked"] == 0.1
 
 
-def test_settings_are_listed_with_choices_or_limits(cosim, monkeypatch):
-    monkeypatch.setattr(scenarios, "names", lambda: ["tanks"])
+def test_settings_are_listed_with_choices_or_limits(cosim):
     assert "source=good|bad" in cosim("list")[1]
     assert "period=0.01 ... 0.5 s" in cosim("list")[1]
-    settings = json.loads(cosim("list", "--json")[1])[0]["settings"]
+    settings = next(each["settings"] for each in json.loads(cosim("list", "--json")[1]) if each["name"] == "tanks")
     assert settings["source"] == {"default": "good", "choices": ["good", "bad"], "description": "which file"}
     limits = {"default": 0.02, "minimum": 0.01, "maximum": 0.5, "unit": "s", "whole": False}
     assert settings["period"] == {**limits, "description": "period of the second tank"}
@@ -199,7 +204,7 @@ def test_a_discard_keeps_the_results_so_far(cosim, tmp_path):
         "cosim: second failed at 0.5 s (discard): the tank leaks 100%s of its water; the results so far are kept\n"
     )
     assert json.loads((tmp_path / "summary.json").read_text())["status"] == "failed"
-    assert load_results(tmp_path, {}).time[-1] == 0.5
+    assert load_results(tmp_path, Facts({})).time[-1] == 0.5
 
 
 def spoil(tank: Path, target: Path, change) -> None:

@@ -7,23 +7,21 @@ import resource
 import subprocess
 import sys
 import zipfile
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from cosim_mocks import Mock, face
+from cosim_mocks import Mock, face, plan_of, scenario_of
 
-from cosim.engine.schedule import schedule
+from cosim.command import main as cli
+from cosim.engine.models import find
 from cosim.errors import CosimError, because, unknown
-from cosim.model.assembly import assemble
 from cosim.model.system import System
-from cosim.results import recorder, storage, summary
-from cosim.results.reading import load_results
-from cosim.run import Plan, Request, execute, run
-from cosim.scenario import Scenario
+from cosim.results import recorder, storage
+from cosim.results.reading import Facts, load_results
+from cosim.results.summary import Summary
+from cosim.run.request import Request
+from cosim.run.running import execute, run
 from fmukit.archive import ArchiveError, unpack
-from scenarios.shared import catalogue
-from scenarios.shared.start import _first_row
 
 FULL = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 ROOT = Path(__file__).parents[2]
@@ -38,18 +36,16 @@ def mocked(folder, step=lambda t, h, u: {"y": t}):
     system = System()
     system.add("plant", "Mock")
     mock = Mock(face({}, {"y": "m"}, step=0.001), step)
-    nodes = assemble(system, {"plant": mock.face}, 0)
-    scenario = Scenario("mocked", "", "", 2.0, lambda settings: system, find=lambda model: None)
-    return execute(Plan(scenario, nodes, schedule(nodes), 2 * 10**9, 0), lambda: {"plant": mock}, folder)
+    return execute(plan_of(system, {"plant": mock}, folder, stop=2.0), lambda: {"plant": mock})
 
 
-def tanks(tank):
-    def build(settings):
+def tanks(tank, folder, *assignments):
+    def build(_settings, _prepared):
         system = System()
         system.add("tank", "Tank", period=0.01)
         return system
 
-    return Scenario("tanks", "one tank", "none", 1.0, build, find=lambda model: tank)
+    return Request(scenario_of("tanks", build), folder, assignments, find=lambda model: tank)
 
 
 _LIMITED = """
@@ -68,7 +64,7 @@ def test_a_disk_that_fills_up_ends_the_run_and_keeps_whole_chunks(tmp_path):
     done = subprocess.run([sys.executable, "-c", program, str(tmp_path)], capture_output=True, text=True, check=False)
     assert "status='failed', reason='the results cannot be written at" in done.stdout, done.stderr
     assert "File too large" in done.stdout
-    assert load_results(tmp_path, {})["plant.y"].tolist() == [k / 1000 for k in range(1024)]
+    assert load_results(tmp_path, Facts({}))["plant.y"].tolist() == [k / 1000 for k in range(1024)]
 
 
 def test_parquet_that_cannot_be_written_leaves_the_stream(tmp_path, monkeypatch):
@@ -76,7 +72,7 @@ def test_parquet_that_cannot_be_written_leaves_the_stream(tmp_path, monkeypatch)
     outcome = mocked(tmp_path)
     assert (outcome.status, outcome.reason) == ("failed", "the results cannot be written: No space left on device")
     assert [path.name for path in tmp_path.iterdir()] == [storage.STREAM]
-    assert len(load_results(tmp_path, {}).time) == 2001
+    assert len(load_results(tmp_path, Facts({})).time) == 2001
 
 
 def test_the_slave_that_failed_is_named_even_if_the_disk_is_full_too(tmp_path, monkeypatch):
@@ -86,16 +82,17 @@ def test_the_slave_that_failed_is_named_even_if_the_disk_is_full_too(tmp_path, m
 
 def test_a_failed_recording_still_gets_its_summary(tank, tmp_path, monkeypatch):
     monkeypatch.setattr(recorder.Recorder, "keep", fail)
-    made, _ = run(Request(tanks(tank), tmp_path))
-    assert made["reason"] == "the results cannot be written at 0.63 s: No space left on device"
-    assert json.loads((tmp_path / "summary.json").read_text()) == made
+    made = run(tanks(tank, tmp_path)).summary
+    assert made.reason == "the results cannot be written at 0.63 s: No space left on device"
+    assert json.loads((tmp_path / "summary.json").read_text()) == made.data()
 
 
 def test_a_summary_that_cannot_be_written(tank, tmp_path, monkeypatch):
-    monkeypatch.setattr(summary, "to_json", fail)
-    made, results = run(Request(tanks(tank), tmp_path))
-    assert made["status"] == "failed"
-    assert made["reason"] == f"{tmp_path / 'summary.json'} cannot be written: No space left on device"
+    monkeypatch.setattr(Summary, "json", fail)
+    finished = run(tanks(tank, tmp_path))
+    made, results = finished.summary, finished.results
+    assert made.status == "failed"
+    assert made.reason == f"{tmp_path / 'summary.json'} cannot be written: No space left on device"
     assert len(results.time) == 101
     assert [path.name for path in tmp_path.iterdir()] == [storage.PARQUET]
 
@@ -108,28 +105,24 @@ def test_what_is_in_the_way_is_named_before_the_run(tmp_path, name):
 
 
 def test_a_later_run_never_mixes_with_an_earlier_one(tank, tmp_path, monkeypatch):
-    run(Request(tanks(tank), tmp_path))
+    run(tanks(tank, tmp_path))
     (tmp_path / "overview.png").write_bytes(b"of the first run")
     with pytest.raises(CosimError, match="unknown instance"):
-        run(Request(tanks(tank), tmp_path, [("tonk.inflow", "1")]))
+        run(tanks(tank, tmp_path, ("tonk.inflow", "1")))
     assert (tmp_path / "overview.png").exists(), "a run that never started leaves the folder alone"
-    monkeypatch.setattr("cosim.run.Master.run", lambda *args: sys.exit(9))  # as if killed while running
+    monkeypatch.setattr("cosim.run.running.Master.run", lambda *args: sys.exit(9))  # as if killed while running
     with pytest.raises(SystemExit):
-        run(Request(tanks(tank), tmp_path))
+        run(tanks(tank, tmp_path))
     assert [path.name for path in tmp_path.iterdir()] == [storage.PARQUET]
-    assert len(load_results(tmp_path, {}).time) == 0
+    assert len(load_results(tmp_path, Facts({})).time) == 0
 
 
-def test_the_command_says_when_the_picture_cannot_be_drawn(tmp_path, capsys):
-    from cosim.command.main import _draw  # noqa: PLC0415
-    from scenarios import load  # noqa: PLC0415
-
-    class Two:
-        time = (0, 1)
-
-    scenario = replace(load("high-speed-tracking"), draw=fail)
+def test_the_command_says_when_the_picture_cannot_be_drawn(tank, tmp_path, capsys, monkeypatch, offer):
+    offer(tanks(tank, tmp_path).scenario, {"Tank": tank})
+    monkeypatch.setattr("cosim.run.running.Finished.draw", fail)
+    monkeypatch.setattr(sys, "argv", ["cosim", "run", "tanks", "--quiet", "-o", str(tmp_path)])
     with pytest.raises(SystemExit) as end:
-        _draw(scenario, Two(), tmp_path / "overview.png")
+        cli.main()
     assert end.value.code == 1
     assert capsys.readouterr().err == (
         f"cosim: {tmp_path}/overview.png cannot be written: No space left on device; results and summary are complete\n"
@@ -137,8 +130,6 @@ def test_the_command_says_when_the_picture_cannot_be_drawn(tmp_path, capsys):
 
 
 def test_the_last_resort_is_one_sentence(monkeypatch, capsys):
-    from cosim.command import main as cli  # noqa: PLC0415
-
     monkeypatch.setattr("cosim.command.main.app", fail)
     with pytest.raises(SystemExit) as end:
         cli.main()
@@ -148,13 +139,13 @@ def test_the_last_resort_is_one_sentence(monkeypatch, capsys):
 def test_an_unwritable_cache(monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", "/proc/nope")
     with pytest.raises(CosimError, match=r"cannot build Imu: the cache folder /proc/nope.*XDG_CACHE_HOME"):
-        catalogue.fmu_path("Imu")
+        find("Imu")
 
 
 def test_a_cache_that_fills_up(monkeypatch):
-    monkeypatch.setattr("fmukit.packaging.cached.cached", fail)
+    monkeypatch.setattr("fmus.supply.cached", fail)
     with pytest.raises(CosimError, match=r"cannot keep the built Imu in .*: No space left on device; make room there"):
-        catalogue.fmu_path("Imu")
+        find("Imu")
 
 
 def test_unpacking_onto_a_full_disk_is_not_the_fault_of_the_archive(tmp_path):
@@ -177,23 +168,6 @@ def test_a_damaged_archive_is(tmp_path):
     (tmp_path / "a.zip").write_bytes(data)
     with pytest.raises(ArchiveError, match="not a readable zip archive"):
         unpack(tmp_path / "a.zip", tmp_path / "out")
-
-
-@pytest.mark.parametrize(
-    ("text", "sentence"),
-    [
-        (None, r"cannot read the trajectory .*: No such file or directory$"),
-        ("time,x,y,course,speed\n", "has no row beneath its header"),
-        ("time,x,y,course\n0,0,0,0\n", "has no column speed"),
-        ("time,x,y,course,speed\n0,0,zero,0,20\n", "the first row .* is not made of numbers"),
-        ("time,x,y,course,speed\n0,0\n", "the first row .* is not made of numbers"),
-    ],
-)
-def test_trajectory_files(tmp_path, text, sentence):
-    if text is not None:
-        (tmp_path / "t.csv").write_text(text)
-    with pytest.raises(CosimError, match=sentence):
-        _first_row(tmp_path / "t.csv")
 
 
 def test_a_name_like_no_other_comes_with_where_to_look():

@@ -6,26 +6,25 @@ import json
 import logging
 import math
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import fmpy.ssp
 import pytest
-from cosim_mocks import Mock, face, simulate
+from cosim_mocks import Mock, assembled, face, faces_of, plan_of, scenario_of, simulate
 from lxml import etree
 
-import scenarios
-from cosim.command import display
 from cosim.command import main as cli
+from cosim.command import terminal
 from cosim.command.explain import explanation
-from cosim.engine.schedule import schedule
 from cosim.errors import CosimError
-from cosim.model.assembly import assemble
-from cosim.model.clock import SECOND
 from cosim.model.face import Port
 from cosim.model.system import System, parse_events
-from cosim.results.reading import load_results
-from cosim.run import Plan, Request, run
-from cosim.scenario import Scenario
+from cosim.results.reading import Facts, load_results
+from cosim.run.request import Request
+from cosim.run.running import run
+from cosim.scenario.definition import Scenario
+from cosim.scenario.discovery import load
 from cosim.ssp.export import COSIM, SSD, export
 
 LIMITED = Port("valve", 0, "input", minimum=0.0, maximum=1.0, unit="m", start=0.125)
@@ -45,20 +44,7 @@ def pair(*events: tuple[float, str, object]) -> tuple[System, dict[str, Mock]]:
             face({"a": "m"}, {"y": "m"}, step=0.005, continuous=True, extra=(LIMITED,)), lambda t, h, u: {"y": t}
         ),
     }
-    for mock in mocks.values():
-        _interleave(mock)
     return system, mocks
-
-
-def _interleave(mock: Mock) -> None:
-    """Steps join the log of the mock, so that it shows between which steps a value was set."""
-    step = mock._step
-
-    def logged(time: float, length: float, inputs: dict[str, float]) -> object:
-        mock.log.append(("step", time))
-        return step(time, length, inputs)
-
-    mock._step = logged  # type: ignore[assignment]
 
 
 def log_of(mock: Mock) -> list[tuple[object, ...]]:
@@ -115,14 +101,14 @@ def test_a_pattern_sets_all_that_have_the_input() -> None:
     assert of == {"source": [("set", {"valve": 0.5})], "plant": [("set", {"valve": 0.5}), ("set", {"valve": 0.75})]}
     system, mocks = pair((0.01, "*.b", 0.5))
     with pytest.raises(CosimError, match=r"unknown input of the instances that fit '\*\.b' 'b'; known are a, valve"):
-        assemble(system, {name: mock.face for name, mock in mocks.items()}, 0)
+        assembled(system, faces_of(mocks))
 
 
 def test_a_pattern_is_a_matter_of_inputs_only_where_there_is_one() -> None:
     system, mocks = pair()
     system.add("other", "Mock")
     system.at(0.01, "*.valve", 0.5)
-    nodes = assemble(system, {name: mock.face for name, mock in mocks.items()} | {"other": face({}, {"y": "m"})}, 0)
+    nodes = assembled(system, faces_of(mocks) | {"other": face({}, {"y": "m"})})
     assert {name: len(node.changes) for name, node in nodes.items()} == {"source": 1, "plant": 1, "other": 0}
 
 
@@ -143,7 +129,7 @@ def test_a_pattern_is_a_matter_of_inputs_only_where_there_is_one() -> None:
 def test_mistakes_are_one_sentence(event, sentence) -> None:
     with pytest.raises(CosimError, match=sentence):
         system, mocks = pair(event)
-        assemble(system, {name: mock.face for name, mock in mocks.items()}, 0)
+        assembled(system, faces_of(mocks))
 
 
 def test_the_form_of_the_command_line() -> None:
@@ -158,9 +144,7 @@ def test_the_form_of_the_command_line() -> None:
 
 def test_the_explanation_lists_them() -> None:
     system, mocks = pair((0.006, "plant.valve", 0.5), (2.0, "source.valve", 1.0))
-    nodes = assemble(system, {name: mock.face for name, mock in mocks.items()}, 0)
-    scenario = Scenario("mocked", "", "", 1.0, lambda settings: system, find=lambda model: Path())
-    tables = dict(explanation(Plan(scenario, nodes, schedule(nodes), SECOND, 0)))
+    tables = dict(explanation(plan_of(system, mocks)))
     columns = [list(column.cells) for column in tables["values set during the run"].columns]
     assert columns == [
         ["0.006 s", "2 s"],
@@ -171,10 +155,10 @@ def test_the_explanation_lists_them() -> None:
     assert "inputs that hold their start value" not in tables
 
 
-def tanks(tank: Path) -> Scenario:
+def tanks() -> Scenario:
     """Two tanks: the first takes in 2 from 0.5 s on, the second what the first has."""
 
-    def build(settings):
+    def build(_settings, _prepared):
         system = System()
         system.add("first", "Tank", period=0.01)
         system.add("second", "Tank", period=0.01)
@@ -182,14 +166,15 @@ def tanks(tank: Path) -> Scenario:
         system.at(0.5, "first.inflow", 2.0)
         return system
 
-    return Scenario("tanks", "tanks", "none", 1.0, build, find=lambda model: tank)
+    return scenario_of("tanks", build)
 
 
 def test_an_fmu_sees_its_inputs_change_when_they_should(tank, tmp_path) -> None:
     """level' = inflow - level by Euler steps, written again as a loop."""
-    request = Request(tanks(tank), tmp_path, [("first.inflow", "1.5")], events=[(0.75, "first.inflow", "0")])
-    summary, results = run(request)
-    assert summary["status"] == "ok"
+    request = Request(tanks(), tmp_path, [("first.inflow", "1.5")], events=[(0.75, "first.inflow", "0")])
+    finished = run(replace(request, find=lambda model: tank))
+    assert finished.summary.status == "ok"
+    results = finished.results
     levels = [1.0]
     for k in range(100):
         inflow = 1.5 if k < 50 else 2.0 if k < 75 else 0.0
@@ -199,16 +184,16 @@ def test_an_fmu_sees_its_inputs_change_when_they_should(tank, tmp_path) -> None:
 
 
 def test_an_event_of_the_user_beyond_the_end_is_an_error_one_of_the_scenario_is_not(tank, tmp_path) -> None:
-    scenario = tanks(tank)
-    assert run(Request(scenario, tmp_path, stop_time=0.3))[0]["status"] == "ok"
+    request = Request(tanks(), tmp_path, find=lambda model: tank)
+    assert run(replace(request, stop_time=0.3)).summary.status == "ok"
     for time in (1.0, 2.5, 0.995):
         for signal in ("first.inflow", "f*.inflow"):
             with pytest.raises(CosimError, match=rf"first.inflow cannot be set at {time:g} s: the run ends at 1 s"):
-                run(Request(scenario, tmp_path, events=[(time, signal, "1")]))
+                run(replace(request, events=[(time, signal, "1")]))
 
 
 def test_an_exported_system_keeps_them_as_an_annotation_and_says_so(tank, tmp_path, caplog) -> None:
-    export(Request(tanks(tank), tmp_path), tmp_path / "tanks.ssp")
+    export(Request(tanks(), tmp_path, find=lambda model: tank), tmp_path / "tanks.ssp")
     assert [r.message for r in caplog.records] == [
         "SSP 1.0 has no place for 1 value that changes during the run: an annotation keeps it, other tools ignore it"
     ]
@@ -226,22 +211,22 @@ def test_a_table_travels_in_the_fmu_that_reads_it(tmp_path, monkeypatch) -> None
     file.parent.mkdir()
     file.write_text("time,x,y,course,speed,acceleration,curvature\n0,5,7,0,20,0,0\n9,185,7,0,20,0,0\n")
     assignments = [("reference.trajectory_file", str(file))]
-    export(Request(scenarios.load("lateral-tracking"), tmp_path, assignments), tmp_path / "l.ssp")
+    export(Request(load("lateral-tracking"), tmp_path, assignments), tmp_path / "l.ssp")
     with zipfile.ZipFile(tmp_path / "l.ssp") as archive:
         archive.extractall(tmp_path / "unpacked")
     assert b'value="straight.csv"' in (tmp_path / "unpacked" / "resources" / "reference.ssv").read_bytes()
     file.unlink()
     monkeypatch.chdir(tmp_path)
 
-    def build(settings):
+    def build(_settings, _prepared):
         system = System()
         fmu = tmp_path / "unpacked" / "resources" / "ReferenceTrajectory.fmu"
         system.add("reference", str(fmu), {"trajectory_file": "straight.csv"})
         return system
 
-    summary, _ = run(Request(Scenario("r", "r", "none", 1.0, build, find=lambda model: Path()), tmp_path / "out"))
-    results = load_results(tmp_path / "out", {"reference": 0.02})
-    assert summary["status"] == "ok", summary["reason"]
+    finished = run(Request(scenario_of("r", build), tmp_path / "out"))
+    results = load_results(tmp_path / "out", Facts({"reference": 0.02}))
+    assert finished.summary.status == "ok", finished.summary.reason
     assert results["reference.reference.y"][-1] == 7.0
     assert results["reference.reference.x"][0] == 5.0
 
@@ -256,7 +241,7 @@ def test_the_command(monkeypatch, tmp_path, capsys) -> None:
             cli.main()
         assert end.value.code == 0
         assert json.loads(capsys.readouterr().out)["status"] == "ok"
-        results = load_results(tmp_path, {})
+        results = load_results(tmp_path, Facts({}))
         yaw.append(results["plant.acceleration.y"])
         time = results.time
     assert abs(yaw[0][time < 0.1]).max() < 0.05 < abs(yaw[0][time > 0.105]).max()
@@ -266,7 +251,7 @@ def test_the_command(monkeypatch, tmp_path, capsys) -> None:
 def test_notices_are_shown_on_stderr_or_not_at_all(capsys, caplog) -> None:
     log = logging.getLogger("cosim")
     for shown in (True, False):
-        display.notices(shown=shown)
+        terminal.notices(shown=shown)
         log.info("planning %s", "x")
     captured = capsys.readouterr()
     assert captured.err == "cosim: planning x\n"

@@ -3,13 +3,12 @@
 from itertools import pairwise
 
 import pytest
-from cosim_mocks import Mock, face, simulate
+from cosim_mocks import Mock, assembled, face, faces_of, plan_of, simulate
 
+from cosim.command.explain import explanation
 from cosim.engine.schedule import schedule
 from cosim.errors import CosimError
-from cosim.model.assembly import assemble
 from cosim.model.system import System
-from cosim.run import Plan
 
 
 def loop(*, slow=0.02):
@@ -54,7 +53,7 @@ def test_initial_values_still_follow_the_dataflow():
     system, mocks = loop()
     simulate(system, mocks, 0.01, "jacobi")
     assert mocks["plant"].steps[0][2] == {"b": -10.0}
-    nodes = assemble(system, {name: mock.face for name, mock in mocks.items()}, 0)
+    nodes = assembled(system, faces_of(mocks))
     assert schedule(nodes, "jacobi").initial == schedule(nodes).initial == ("plant", "source", "follower")
 
 
@@ -63,17 +62,12 @@ def test_one_step_for_all():
     simulate(system, mocks, 0.02, "jacobi", step=0.005)
     assert all([(t, h) for t, h, _ in mock.steps] == [(k * 0.005, 0.005) for k in range(4)] for mock in mocks.values())
     with pytest.raises(CosimError, match="the common step is 0 s; it must be positive"):
-        assemble(system, {name: mock.face for name, mock in mocks.items()}, 0, step=0.0)
+        assembled(system, faces_of(mocks), step=0.0)
 
 
 def test_explain_shows_that_all_step_together():
-    from cosim.command.explain import explanation  # noqa: PLC0415  (needs nothing else of this module)
-    from cosim.scenario import Scenario  # noqa: PLC0415
-
     system, mocks = loop()
-    nodes = assemble(system, {name: mock.face for name, mock in mocks.items()}, 0)
-    scenario = Scenario("ring", "", "", 1.0, lambda settings: system, find=lambda model: None)
-    tables = dict(explanation(Plan(scenario, nodes, schedule(nodes, "jacobi"), 10**9, 0)))
+    tables = dict(explanation(plan_of(system, mocks, scheme="jacobi")))
     assert set(tables["edges"].columns[3].cells) == {"delay: the value at the communication point, held over the step"}
-    order = next(table for title, table in tables.items() if title.startswith("ring: order"))
+    order = next(table for title, table in tables.items() if title.startswith("mocked: order"))
     assert list(order.columns[0].cells) == ["then, together"] * 3

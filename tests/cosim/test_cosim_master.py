@@ -2,6 +2,7 @@
 
 from cosim_mocks import Mock, face, mastered, simulate
 
+from cosim.model.face import Port
 from cosim.model.system import System
 
 
@@ -102,8 +103,6 @@ def test_initialisation_sets_parameters_and_passes_outputs_on():
     system.add("source", "Mock", {"gain": "2.5"})
     system.add("sink", "Mock")
     system.connect("source", "sink")
-    from cosim.model.face import Port  # noqa: PLC0415
-
     source = Mock(face({}, {"a": "m"}, extra=(Port("gain", 0, "parameter"),)), lambda t, h, u: {}, {"a": 7.0})
     sink = Mock(face({"a": "m"}, {"b": "m"}), lambda t, h, u: {"b": u["a"]})
     mastered(system, {"source": source, "sink": sink})

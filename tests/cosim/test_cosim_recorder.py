@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from pyarrow import parquet
 
-from cosim.engine.master import Signal
 from cosim.errors import CosimError
-from cosim.results.reading import load_results
+from cosim.model.signals import Signal
+from cosim.results.reading import Facts, load_results
 from cosim.results.recorder import Recorder, recorded
-from cosim.results.storage import PARQUET, STREAM, _group_rows
+from cosim.results.storage import PARQUET, STREAM, group_rows
 
 SIGNALS = [Signal("plant", "y", "m"), Signal("reference", "preview[3].speed", "m/s"), Signal("llc", "u", None)]
 
@@ -28,7 +28,7 @@ def test_rows_units_and_order_survive(tmp_path):
         vector[:] = k / 1000, k, -1.0, 2.0 * k
         recorder()
     recorder.close()
-    results = load_results(tmp_path, {"llc": 0.5, "plant": 0.001})
+    results = load_results(tmp_path, Facts({"llc": 0.5, "plant": 0.001}))
     assert results.names == ["plant.y", "llc.u"]
     assert results.time.tolist() == [k / 1000 for k in range(2500)]
     assert results["llc.u"].tolist() == [2.0 * k for k in range(2500)]
@@ -45,13 +45,13 @@ def recorded_times(folder, every, stop, times):
         vector[0] = k / 1000
         recorder()
     recorder.close()
-    return load_results(folder, {"llc": 0.02, "radio": 0.015}).time * 1000
+    return load_results(folder, Facts({"llc": 0.02, "radio": 0.015})).time * 1000
 
 
 def test_rows_every_so_often_and_at_the_end(tmp_path):
     times = recorded_times(tmp_path, 20, 70, [*range(70), 70])
     assert times.tolist() == [0.0, 20.0, 40.0, 60.0, 70.0]
-    results = load_results(tmp_path, {"llc": 0.02, "radio": 0.015})
+    results = load_results(tmp_path, Facts({"llc": 0.02, "radio": 0.015}))
     assert results.instants("llc").tolist() == [0, 1, 2, 3]
     assert results.instants("radio").tolist() == [0, 3], "of its instants at 0, 15, 30, 45 and 60 ms two were recorded"
 
@@ -67,9 +67,9 @@ def test_more_often_than_there_are_ticks_is_every_tick(tmp_path):
 
 def test_wide_rows_and_many_row_groups(tmp_path, monkeypatch):
     """Chunks get shorter as rows get wider; row groups have equally many rows whatever the chunks were."""
-    monkeypatch.setattr("cosim.results.recorder._VALUES", 4000)
-    monkeypatch.setattr("cosim.results.storage._GROUP", 50_000)
-    monkeypatch.setattr("cosim.results.storage._OVERHEAD", 0)
+    monkeypatch.setattr("cosim.results.recorder.CHUNK_VALUES", 4000)
+    monkeypatch.setattr("cosim.results.storage.GROUP_VALUES", 50_000)
+    monkeypatch.setattr("cosim.results.storage.COLUMN_OVERHEAD", 0)
     signals = [Signal(f"car{k}", "x", "m") for k in range(999)]
     vector = np.zeros(1000)
     recorder = Recorder(tmp_path, vector, signals, recorded(signals))
@@ -81,7 +81,7 @@ def test_wide_rows_and_many_row_groups(tmp_path, monkeypatch):
     recorder.close()
     file = parquet.ParquetFile(tmp_path / PARQUET)
     assert [file.metadata.row_group(i).num_rows for i in range(file.num_row_groups)] == [51, 51, 21]
-    results = load_results(tmp_path, {})
+    results = load_results(tmp_path, Facts({}))
     assert results["car998.x"] == pytest.approx(np.arange(123.0) + 0.999, rel=1e-15)
     assert results.names == [signal.name for signal in signals]
 
@@ -93,7 +93,7 @@ def test_row_groups_of_many_columns_take_little_memory(rows, columns):
     def held(length):
         return columns * (length + 256 * -(-rows // length))
 
-    assert held(_group_rows(rows, columns)) <= 1.1 * min(map(held, range(1, rows + 1)))
+    assert held(group_rows(rows, columns)) <= 1.1 * min(map(held, range(1, rows + 1)))
 
 
 def test_the_last_row_is_no_sampling_instant(tmp_path):
@@ -103,26 +103,28 @@ def test_the_last_row_is_no_sampling_instant(tmp_path):
         vector[:2] = k / 10, -k
         recorder()
     recorder.close()
-    results = load_results(tmp_path, {"llc": 0.5, "plant": 0.5})
+    results = load_results(tmp_path, Facts({"llc": 0.5, "plant": 0.5}))
     assert results.instants("llc").tolist() == [0, 5]
     assert results.samples("plant", "y").tolist() == [0.0, -5.0]
-    assert load_results(tmp_path, {"llc": 0.5}, stop=1.0).instants("llc").tolist() == [0, 5]
-    assert load_results(tmp_path, {"llc": 0.5}, stop=1.5).instants("llc").tolist() == [0, 5, 10], "it ended early"
+    assert load_results(tmp_path, Facts({"llc": 0.5}, stop=1.0)).instants("llc").tolist() == [0, 5]
+    assert load_results(tmp_path, Facts({"llc": 0.5}, stop=1.5)).instants("llc").tolist() == [0, 5, 10], (
+        "it ended early"
+    )
 
 
 def test_unknown_signals_and_missing_results(tmp_path):
     with pytest.raises(CosimError, match="holds no results"):
-        load_results(tmp_path, {})
+        load_results(tmp_path, Facts({}))
     Recorder(tmp_path, np.zeros(4), SIGNALS, [0]).close()
     with pytest.raises(CosimError, match=r"unknown signal 'plant\.x'; did you mean plant\.y"):
-        load_results(tmp_path, {})["plant.x"]
+        load_results(tmp_path, Facts({}))["plant.x"]
 
 
 _ENDLESS = """
 import sys, time
 from pathlib import Path
 import numpy as np
-from cosim.engine.master import Signal
+from cosim.model.signals import Signal
 from cosim.results.recorder import Recorder
 vector = np.zeros(2)
 recorder = Recorder(Path(sys.argv[1]), vector, [Signal("plant", "y", "m")], [0])
@@ -144,12 +146,12 @@ def test_a_killed_run_keeps_what_it_had(tmp_path):
     os.kill(process.pid, signal.SIGKILL)
     process.wait()
     process.stdout.close()
-    results = load_results(tmp_path, {})
+    results = load_results(tmp_path, Facts({}))
     assert len(results.time) == 4608
     assert results["plant.y"].tolist() == list(range(4608))
     with (tmp_path / STREAM).open("r+b") as stream:  # killed in the middle of writing a chunk
         stream.truncate((tmp_path / STREAM).stat().st_size - 1000)
-    results = load_results(tmp_path, {"plant": 0.001})
+    results = load_results(tmp_path, Facts({"plant": 0.001}))
     assert results["plant.y"].tolist() == list(range(4096))
     assert results.instants("plant").tolist() == list(range(4096)), "the last row is no stop time"
     Recorder(tmp_path, np.zeros(4), SIGNALS, [0]).close()
@@ -162,8 +164,8 @@ def test_a_slow_run_is_flushed_by_the_clock(tmp_path, monkeypatch):
     recorder = Recorder(tmp_path, np.zeros(4), SIGNALS, [0])
     recorder()
     recorder.keep()
-    assert len(load_results(tmp_path, {}).time) == 0
+    assert len(load_results(tmp_path, Facts({})).time) == 0
     now[0] = 10.0
     recorder.keep()
-    assert len(load_results(tmp_path, {}).time) == 1
+    assert len(load_results(tmp_path, Facts({})).time) == 1
     recorder.close()

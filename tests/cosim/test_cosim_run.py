@@ -2,41 +2,38 @@
 
 import os
 import signal
+from ctypes import c_double
 
+import numpy as np
 import pytest
-from cosim_mocks import Mock, face
+from cosim_mocks import Mock, face, plan_of
 
 from cosim.command.explain import explanation
-from cosim.engine.schedule import schedule
-from cosim.model.assembly import assemble
+from cosim.engine.fmu import FmuSlave
+from cosim.engine.slave import Memory
+from cosim.model.face import read_face
 from cosim.model.system import System
-from cosim.results.reading import load_results
-from cosim.run import Plan, execute
-from cosim.scenario import Scenario
+from cosim.results.reading import Facts, load_results
+from cosim.run.running import execute
+from fmukit.archive import unpack
 
 
-def plan_of(system: System, mocks: dict[str, Mock], stop: int = 10**9) -> Plan:
-    nodes = assemble(system, {name: mock.face for name, mock in mocks.items()}, 0)
-    scenario = Scenario("mocked", "", "", 1.0, lambda settings: system, find=lambda model: None)
-    return Plan(scenario, nodes, schedule(nodes), stop, 0)
-
-
-def single(step, **options):
+def single(folder, step, **options):
     system = System()
     system.add("plant", "Mock")
     mock = Mock(face({}, {"y": "m"}, step=0.001, **options), step)
-    return plan_of(system, {"plant": mock}), mock
+    return plan_of(system, {"plant": mock}, folder), mock
 
 
 def test_a_signal_while_loading_ends_the_run_before_its_first_step(tmp_path):
     """Raised inside the code of an FMU, a KeyboardInterrupt would be taken for its fault."""
-    plan, mock = single(lambda t, h, u: {"y": t})
+    plan, mock = single(tmp_path, lambda t, h, u: {"y": t})
 
     def load():
         os.kill(os.getpid(), signal.SIGINT)
         return {"plant": mock}
 
-    outcome = execute(plan, load, tmp_path)
+    outcome = execute(plan, load)
     assert (outcome.status, outcome.time, mock.steps) == ("interrupted", 0, [])
 
 
@@ -47,41 +44,41 @@ def test_a_signal_interrupts_between_ticks_and_keeps_the_results(tmp_path, kind)
             os.kill(os.getpid(), kind)
         return {"y": time}
 
-    plan, mock = single(step)
+    plan, mock = single(tmp_path, step)
     before = signal.getsignal(kind)
-    outcome = execute(plan, lambda: {"plant": mock}, tmp_path)
+    outcome = execute(plan, lambda: {"plant": mock})
     assert outcome.status == "interrupted"
     assert 0.3 <= outcome.time / 1e9 < 0.4
-    assert load_results(tmp_path, {}).time[-1] == outcome.time / 1e9
+    assert load_results(tmp_path, Facts({})).time[-1] == outcome.time / 1e9
     assert signal.getsignal(kind) == before
 
 
 def test_a_failing_step_keeps_the_rows_before_it(tmp_path):
-    plan, mock = single(lambda t, h, u: 3 if t >= 0.5 else {"y": t})
-    outcome = execute(plan, lambda: {"plant": mock}, tmp_path)
+    plan, mock = single(tmp_path, lambda t, h, u: 3 if t >= 0.5 else {"y": t})
+    outcome = execute(plan, lambda: {"plant": mock})
     assert outcome.reason == "plant failed at 0.5 s (error): the FMU gave no reason"
-    assert len(load_results(tmp_path, {}).time) == 500
+    assert len(load_results(tmp_path, Facts({})).time) == 500
 
 
 def test_a_failing_initialisation_is_reported(tmp_path):
-    plan, mock = single(lambda t, h, u: {})
+    plan, mock = single(tmp_path, lambda t, h, u: {})
     mock.refuses, mock.reason = True, "mass must be positive"
-    outcome = execute(plan, lambda: {"plant": mock}, tmp_path)
+    outcome = execute(plan, lambda: {"plant": mock})
     assert (outcome.status, outcome.time) == ("failed", 0)
     assert outcome.reason == "mock failed at initialisation (error): mass must be positive"
 
 
 def test_progress_is_reported_in_nanoseconds_up_to_the_end(tmp_path):
-    plan, mock = single(lambda t, h, u: {"y": t})
+    plan, mock = single(tmp_path, lambda t, h, u: {"y": t})
     seen = []
-    execute(plan, lambda: {"plant": mock}, tmp_path, seen.append)
+    execute(plan, lambda: {"plant": mock}, seen.append)
     assert seen == sorted(seen)
     assert seen[-1] == 999_000_000
 
 
 def test_calls_and_time_are_accounted_per_instance(tmp_path):
-    plan, mock = single(lambda t, h, u: {"y": sum(range(1000))})
-    outcome = execute(plan, lambda: {"plant": mock}, tmp_path)
+    plan, mock = single(tmp_path, lambda t, h, u: {"y": sum(range(1000))})
+    outcome = execute(plan, lambda: {"plant": mock})
     assert outcome.calls == {"plant": 1000}
     assert 0 < outcome.times["plant"] < outcome.wall
 
@@ -110,5 +107,24 @@ def test_warnings_at_initialisation_are_passed_on_once_each(tmp_path, caplog):
         mocks[f"car{k}"] = Mock(face({}, {"y": "m"}, step=0.1), lambda t, h, u: {"y": t})
         mocks[f"car{k}"].reason = "the gain is 5 % too large" if k else ""
     with caplog.at_level("WARNING", "cosim"):
-        execute(plan_of(system, mocks), lambda: mocks, tmp_path)
+        execute(plan_of(system, mocks, tmp_path), lambda: mocks)
     assert caplog.messages == ["car1, car2, car3 and 2 more: the gain is 5 % too large"]
+
+
+def test_two_runs_in_one_process_do_not_see_each_others_messages(tank, tmp_path):
+    """Both have an instance of the same name; only one of them has something to complain of."""
+    slaves = []
+    for name in ("one", "two"):
+        unpack(tank, tmp_path / name)
+        slaves.append(FmuSlave("tank", read_face(tmp_path / name, tank), tmp_path / name))
+    leaky, sound = slaves
+    leaky.set({"fail_at": 0.0})
+    for slave in slaves:
+        slave.enter()
+        slave.leave()
+    vector = np.zeros(1)
+    calls = [slave.bind(Memory(c_double(0.0), c_double(0.1), (), vector[:0], ("level",), vector)) for slave in slaves]
+    assert [each.step() for each in calls] == [2, 0]
+    assert (leaky.message(), sound.message()) == ("the tank leaks 100%s of its water", "")
+    for slave in slaves:
+        slave.close()

@@ -1,9 +1,8 @@
 from random import Random
 
-from cosim_mocks import face
+from cosim_mocks import assembled, face
 
 from cosim.engine.schedule import active_ticks, schedule
-from cosim.model.assembly import assemble
 from cosim.model.system import System
 
 
@@ -16,7 +15,7 @@ def chain(edges, periods, continuous=()):
         system.add(name, "Mock")
     for a, b in edges:
         system.connect(a, b, {f"from_{a}": "out"})
-    return schedule(assemble(system, faces, 0))
+    return schedule(assembled(system, faces))
 
 
 def test_dataflow_order_whatever_the_listing():

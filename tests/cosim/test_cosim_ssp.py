@@ -5,15 +5,16 @@ from pathlib import Path
 
 import fmpy.ssp
 import pytest
-from cosim_mocks import face
+from cosim_mocks import assembled, face, scenario_of
 from lxml import etree
 
+from cosim.command import main as cli
 from cosim.errors import CosimError
-from cosim.model.assembly import assemble
 from cosim.model.face import Port
 from cosim.model.system import System
-from cosim.run import Request
-from cosim.scenario import Scenario
+from cosim.run.request import Request
+from cosim.scenario.discovery import load
+from cosim.scenario.settings import chosen
 from cosim.ssp.export import SSC, SSD, SSV, Model, export, structure, values
 
 NAMES = {"ssd": SSD, "ssc": SSC, "ssv": SSV}
@@ -39,7 +40,7 @@ def nodes():
     system.add("heater", "Mock", period=0.02)
     system.connect("car1.sensor", "heater")
     faces = {"car1.sensor": face({}, {"t": "degC", "d": "mm"}, extra=parameters), "heater": face({"t": "K", "d": "m"})}
-    return assemble(system, faces, 0)
+    return assembled(system, faces)
 
 
 @pytest.fixture
@@ -85,8 +86,8 @@ def test_values_of_every_type_survive(nodes):
     }
 
 
-def two_tanks(tank, again):
-    def build(settings):
+def two_tanks(again):
+    def build(_settings, _prepared):
         system = System()
         system.add("first", "Tank", period=0.01)
         system.add("second", "Tank", {"fail_at": 5.0}, period=0.02)
@@ -95,15 +96,18 @@ def two_tanks(tank, again):
         system.connect("first", "second", {"inflow": "level"})
         return system
 
-    return Scenario("tanks", "tanks", "none", 1.5, build, find=lambda model: tank)
+    return scenario_of("tanks", build, stop_time=1.5)
 
 
 def test_a_file_with_its_fmus_and_values(tank, tmp_path):
     again = tmp_path / "other" / tank.name
     again.parent.mkdir()
     again.write_bytes(tank.read_bytes())
-    scenario = two_tanks(tank, again)
-    made = [export(Request(scenario, tmp_path, [("first.inflow", "2")], 3), tmp_path / f"{n}.ssp") for n in "ab"]
+    scenario = two_tanks(again)
+    made = [
+        export(Request(scenario, tmp_path, [("first.inflow", "2")], 3, find=lambda model: tank), tmp_path / f"{n}.ssp")
+        for n in "ab"
+    ]
     assert made[0].read_bytes() == made[1].read_bytes()
     with zipfile.ZipFile(made[0]) as archive:
         root = valid(archive.read("SystemStructure.ssd"), "SystemStructureDescription.xsd")
@@ -121,19 +125,17 @@ def test_a_file_with_its_fmus_and_values(tank, tmp_path):
 def test_a_file_that_cannot_be_written(tank, tmp_path):
     (tmp_path / "x.ssp").mkdir()
     with pytest.raises(CosimError, match=r"cannot write .*x\.ssp: Is a directory"):
-        export(Request(two_tanks(tank, tank), tmp_path), tmp_path / "x.ssp")
+        export(Request(two_tanks(tank), tmp_path, find=lambda model: tank), tmp_path / "x.ssp")
 
 
 def test_the_command(monkeypatch, tmp_path, capsys):
-    import scenarios  # noqa: PLC0415
-    from cosim.command import main as cli  # noqa: PLC0415
-
     monkeypatch.setattr("sys.argv", ["cosim", "export", "lateral-tracking", "-o", str(tmp_path / "l.ssp")])
     with pytest.raises(SystemExit) as end:
         cli.main()
     assert (end.value.code, capsys.readouterr().out) == (0, f"{tmp_path}/l.ssp\n")
     with zipfile.ZipFile(tmp_path / "l.ssp") as archive:
         root = valid(archive.read("SystemStructure.ssd"), "SystemStructureDescription.xsd")
-    scenario = scenarios.load("lateral-tracking")
-    system = scenario.build({name: setting.default for name, setting in scenario.settings.items()})
+    scenario = load("lateral-tracking")
+    settings = chosen(scenario.name, scenario.settings, [])
+    system = scenario.work().build(settings, None)
     assert [c.get("name") for c in root.findall(".//ssd:Component", NAMES)] == list(system.instances)

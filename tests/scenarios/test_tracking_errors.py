@@ -4,8 +4,9 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from cosim.results.reading import Results
-from scenarios.shared.tracking_errors import longest_saturation, tracking_metrics
+from cosim.results.reading import Facts, Results
+from scenarios.shared.tracking_errors import longest_saturation
+from scenarios.tracking.metrics import tracking_metrics
 from scenarios.tracking.picture import footprints
 
 TIME = np.arange(1001) / 1000
@@ -46,11 +47,11 @@ def columns():
 @pytest.fixture
 def results():
     periods = {"reference": 0.02, "filter": 0.005, "gps": 0.01, "plant": 0.001, "llc": 0.001}
-    return Results(pa.table({"time": TIME, **columns()}), periods)
+    return Results(pa.table({"time": TIME, **columns()}), Facts(periods))
 
 
 def test_errors_are_those_at_the_reference_instants(results):
-    metrics = tracking_metrics(results)
+    metrics = {name: metric.value for name, metric in tracking_metrics(results, None).items()}
     expected = {
         "lateral_error_max": 0.2,
         "lateral_error_rms": 0.2,
@@ -67,15 +68,15 @@ def test_errors_are_those_at_the_reference_instants(results):
 
 
 def test_each_fix_counts_once(results):
-    metrics = tracking_metrics(results)
+    metrics = {name: metric.value for name, metric in tracking_metrics(results, None).items()}
     assert metrics["nis_heading_mean"] == pytest.approx(np.mean(range(1, 10)))
     assert metrics["nis_position_mean"] == pytest.approx(4.0)
 
 
 def test_saturation_to_the_very_end():
     table = pa.table({"time": TIME, "llc.saturation.drive": (TIME > 0.6).astype(float)})
-    assert longest_saturation(Results(table, {})) == pytest.approx(0.399)
-    assert longest_saturation(Results(pa.table({"time": TIME}), {})) == 0.0
+    assert longest_saturation(Results(table, Facts({}))) == pytest.approx(0.399)
+    assert longest_saturation(Results(pa.table({"time": TIME}), Facts({}))) == 0.0
 
 
 def test_footprints_turn_with_the_car():
