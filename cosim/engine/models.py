@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from importlib.metadata import entry_points
 from pathlib import Path
+from typing import Protocol
 
 from cosim.errors import CosimError, because, unknown
 from fmukit.errors import BuildError
@@ -15,18 +16,28 @@ from fmukit.store import cache_folder
 GROUP = "cosim.models"
 
 
+class Supplier(Protocol):
+    """A module that offers models."""
+
+    def names(self) -> list[str]:
+        """The models it has."""
+
+    def file(self, name: str) -> Path:
+        """The .fmu file of one of them; raises BuildError or OSError when it cannot be made."""
+
+
 def find(model: str) -> Path:
     """The .fmu file of the model called `model`; raises CosimError if nobody offers it or it cannot be built."""
-    suppliers = [entry.load() for entry in entry_points(group=GROUP)]
+    suppliers: list[Supplier] = [entry.load() for entry in entry_points(group=GROUP)]
     for supplier in suppliers:
         if model in supplier.names():
             return _file(supplier, model)
     raise unknown("model", model, [name for supplier in suppliers for name in supplier.names()])
 
 
-def _file(supplier: object, model: str) -> Path:
+def _file(supplier: Supplier, model: str) -> Path:
     try:
-        return Path(supplier.file(model))  # type: ignore[attr-defined]
+        return supplier.file(model)
     except BuildError as error:
         raise CosimError(f"cannot build {model}: {error}") from None
     except OSError as error:
