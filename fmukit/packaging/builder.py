@@ -117,15 +117,22 @@ def _description(interface: Interface, code: Code, program: dict[str, object] | 
         "states": code.states,
         "table": table and dataclasses.asdict(table),
         "program": program,
-        "advice": [[advice.output, advice.text] for advice in interface.advice],
+        "advice": [dataclasses.asdict(advice) for advice in interface.advice],
         "variables": [_entry(variable) for variable in interface.variables],
     }
 
 
-def _entry(variable: Variable) -> list[object]:
-    start = variable.start if variable.type == "String" else float(variable.start)
-    limits = (variable.minimum, variable.maximum)
-    return [variable.name, variable.type, variable.causality, start, *limits, variable.unit]
+def _entry(variable: Variable) -> dict[str, object]:
+    """What the runtime needs of a variable; its value reference is its place in the list."""
+    return {
+        "name": variable.name,
+        "type": variable.type,
+        "causality": variable.causality,
+        "start": variable.start if variable.type == "String" else float(variable.start),
+        "minimum": variable.minimum,
+        "maximum": variable.maximum,
+        "unit": variable.unit,
+    }
 
 
 def _digest(files: Mapping[str, bytes]) -> bytes:

@@ -181,7 +181,7 @@ def test_damaged_fmu_in_the_cache_is_built_anew(tmp_path: Path, damage: Callable
 def test_cache_that_cannot_be_written_is_one_sentence_with_the_remedy(tmp_path: Path) -> None:
     folder = tmp_path / "file" / "cache"
     folder.parent.write_text("in the way")
-    with pytest.raises(BuildError, match=r"cache folder .*file/store.* cannot be written \(.+\); .*XDG_CACHE_HOME"):
+    with pytest.raises(BuildError, match=r"cache folder .*file/cache.* cannot be written \(.+\); .*XDG_CACHE_HOME"):
         cached(demo_spring.COMPONENT, folder)
 
 

@@ -90,9 +90,10 @@ class Life:
     def agree(self) -> None:
         """The instance is what the twin says."""
         image, twin, buffer = self.image, self.twin, array("d", self.image.buffer)
-        assert (image.mode, image.pending, image.broken) == (twin.mode, twin.pending, twin.broken)
+        life = image.life
+        assert (life.mode, life.pending, life.broken) == (twin.mode, twin.pending, twin.broken)
         assert buffer[self.subject.description.fault] == float(twin.fault)
-        assert (image.time if image.anchored else None) == twin.time
+        assert (life.time if life.anchored else None) == twin.time
         strings = dict(image.strings)
         for vr, value in twin.values.items():
             assert (strings[vr] if isinstance(value, str) else buffer[vr]) == value
@@ -104,7 +105,8 @@ class Life:
     def _unmarked(self, snapshot: Snapshot) -> Snapshot:
         buffer = array("d", snapshot.buffer)
         buffer[self.subject.description.fault] = 0.0
-        return replace(snapshot, buffer=buffer.tobytes(), pending=False, broken=False, dirty=False)
+        life = replace(snapshot.life, pending=False, broken=False, dirty=False)
+        return replace(snapshot, buffer=buffer.tobytes(), life=life)
 
     # what is done
 
