@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 from cosim.errors import CosimError
 from cosim.model.units import BASE, Unit
-from fmukit.archive import ArchiveError, refuse_entities
+from fmukit.unpacking import ArchiveError, refuse_entities
 
 Value = float | int | bool | str
 

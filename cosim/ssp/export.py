@@ -21,6 +21,8 @@ from cosim.model.face import Port, Value
 from cosim.model.units import BASE, Unit
 from cosim.run import Request, in_time, requested
 from cosim.ssp.packing import Model, packed, take_tables_along
+from fmukit.files import write
+from fmukit.packing import pack
 
 SSD = "http://ssp-standard.org/SSP1/SystemStructureDescription"
 SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
@@ -33,9 +35,6 @@ _LOG = logging.getLogger("cosim")
 
 def export(request: Request, file: Path) -> Path:
     """Write the scenario as `file` (.ssp) and return it; raises CosimError. Equal requests give equal bytes."""
-    from fmukit.files import write  # noqa: PLC0415
-    from fmukit.packaging.archive import pack  # noqa: PLC0415  (lazy: imports PythonFMU's builder)
-
     system = requested(request)
     with Loader(request.scenario.find) as loader:
         nodes = assemble(system, loader.faces(system), request.seed)

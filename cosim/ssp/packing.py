@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from cosim.model.assembly import Node
+from fmukit.packing import pack
 
 _LOOKS_INSIDE = re.compile(r"resources/fmu_\w+/runtime/table\.py")
 _LOG = logging.getLogger("cosim")
@@ -45,8 +46,6 @@ def take_tables_along(node: Node, model: Model) -> None:
 
 def packed(model: Model) -> bytes:
     """The FMU as it is, or with its tables added."""
-    from fmukit.packaging.archive import pack  # noqa: PLC0415
-
     data = model.file.read_bytes()
     if not model.tables:
         return data

@@ -21,7 +21,7 @@ from cosim.results import recorder, storage, summary
 from cosim.results.reading import load_results
 from cosim.run import Plan, Request, execute, run
 from cosim.scenario import Scenario
-from fmukit.archive import ArchiveError, unpack
+from fmukit.unpacking import ArchiveError, unpack
 from scenarios.shared import catalogue
 from scenarios.shared.start import _first_row
 
