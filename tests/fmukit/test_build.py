@@ -138,7 +138,7 @@ def test_cached_fmu_is_reused_and_needs_no_casadi(tmp_path: Path) -> None:
         "from pathlib import Path\n"
         "from fmukit.packaging.cached import cached\n"
         "from fmukit.component import Component\n"
-        "from fmukit.interface import Interface, Variable, Table\n"
+        "from fmukit.interface import Interface, Variable, CsvTable\n"
         "from math import inf\n"
         f"path = cached(Component({demo_spring.INTERFACE!r}, 'demo_spring'), Path({str(tmp_path)!r}))\n"
         "print(json.dumps([str(path), 'casadi' in sys.modules]))\n"
