@@ -1,7 +1,11 @@
-"""What can go wrong while building and is the user's to put right."""
+"""What can go wrong and is the user's to put right."""
 
 from __future__ import annotations
 
 
-class BuildError(Exception):
-    """The FMU cannot be built; the message is one sentence saying what to do."""
+class UserError(Exception):
+    """Something the user can put right; the message is one sentence saying what to do."""
+
+
+class BuildError(UserError):
+    """The FMU cannot be built."""

@@ -1,5 +1,5 @@
 """`python -m fmus`."""
 
-from fmus.cli import main
+from fmus.command.main import main
 
 main()

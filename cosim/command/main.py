@@ -1,62 +1,38 @@
-"""The `cosim` command."""
+"""The `cosim` command: what it is made of. Each subcommand is imported only when it is asked for."""
 
 from __future__ import annotations
 
-import sys
-from importlib.metadata import entry_points
-from typing import Any, NoReturn
+from functools import partial
+from typing import NoReturn
 
-import typer
+from cosim.errors import CosimError, RunFailedError, RunInterruptedError
+from fmukit.command_line import INTERRUPTED, MISTAKE, Application, Subcommand, run
+from fmukit.errors import UserError
+from fmukit.installed_commands import installed
 
-from cosim.command.export import export_command
-from cosim.command.list import list_command
-from cosim.command.run import run_command
-from cosim.errors import CosimError, RunFailedError, RunInterruptedError, because
+FAILED = 1
+GROUP = "cosim.commands"
+"""The entry point group through which other packages add subcommands."""
 
-app = typer.Typer(
+APPLICATION = Application(
+    name="cosim",
     help="Run systems of FMI 2.0 co-simulation FMUs.",
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
+    subcommands=(
+        Subcommand("list", "Show the scenarios with what each reproduces.", "cosim.command.list:list_command"),
+        Subcommand("run", "Run a scenario and write its results.", "cosim.command.run:run_command"),
+        Subcommand("export", "Write a scenario as SSP 1.0, for other tools.", "cosim.command.export:export_command"),
+    ),
+    told={
+        CosimError: MISTAKE,
+        UserError: MISTAKE,
+        RunInterruptedError: INTERRUPTED,
+        RunFailedError: FAILED,
+        OSError: FAILED,  # whatever was not foreseen where it happens
+    },
+    further=partial(installed, GROUP),
 )
 
-_FAILED, _MISTAKE, _INTERRUPTED = 1, 2, 130
-_UsageError: type[Exception] = typer.BadParameter.__mro__[1]  # of the click inside typer, without a public name
 
-
-def main() -> None:
-    """Entry point: whatever goes wrong is one sentence on stderr.
-
-    Exit status 2 for a mistake of the user, 1 for a run that failed, 130 for one that was interrupted.
-    """
-    try:
-        sys.exit(app(standalone_mode=False) or 0)
-    except CosimError as error:
-        _end(str(error), _MISTAKE)
-    except RunInterruptedError as error:
-        _end(str(error), _INTERRUPTED)
-    except RunFailedError as error:
-        _end(str(error), _FAILED)
-    except _UsageError as error:
-        _end(f"{_usage(error)}; `cosim --help` shows what there is", _MISTAKE)
-    except typer.Abort:
-        _end("interrupted", _INTERRUPTED)
-    except OSError as error:  # whatever was not foreseen where it happens
-        _end(f"{error.filename}: {because(error)}" if error.filename else because(error), _FAILED)
-
-
-def _usage(error: Any) -> str:
-    """One sentence, with the option it is about."""
-    return " ".join(error.format_message().split()).rstrip(".?") or "say what to do"
-
-
-def _end(sentence: str, status: int) -> NoReturn:
-    print(f"cosim: {sentence}", file=sys.stderr)
-    sys.exit(status)
-
-
-app.command("list")(list_command)
-app.command("run")(run_command)
-app.command("export")(export_command)
-for entry in entry_points(group="cosim.commands"):
-    app.command(entry.name)(entry.load())
+def main() -> NoReturn:
+    """Entry point. The exit status is 2 for a mistake, 1 for a run that failed, 130 for one that was interrupted."""
+    run(APPLICATION)

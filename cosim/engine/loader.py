@@ -17,7 +17,7 @@ from cosim.errors import CosimError, because
 from cosim.model.assembly import Node
 from cosim.model.face import Face, read_face
 from cosim.model.system import System
-from fmukit.archive import ArchiveError, unpack
+from fmukit.unpacking import ArchiveError, unpack
 
 Find = Callable[[str], Path]
 

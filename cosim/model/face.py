@@ -12,7 +12,7 @@ from fmpy.model_description import read_model_description
 
 from cosim.errors import CosimError
 from cosim.model.units import BASE, Unit
-from fmukit.archive import ArchiveError, refuse_entities
+from fmukit.unpacking import ArchiveError, refuse_entities
 
 Value = float | int | bool | str
 

@@ -23,7 +23,7 @@ from cosim.run.prepare import plan
 from cosim.run.request import Request
 from cosim.ssp.packing import Model, packed, take_tables_along
 from fmukit.files import write
-from fmukit.packaging.archive import pack
+from fmukit.packing import pack
 
 SSD = "http://ssp-standard.org/SSP1/SystemStructureDescription"
 SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"

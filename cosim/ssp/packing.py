@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from cosim.model.assembly import Node
-from fmukit.packaging.archive import pack
+from fmukit.packing import pack
 
 _LOOKS_INSIDE = re.compile(r"resources/fmu_\w+/runtime/table\.py")
 _LOG = logging.getLogger("cosim")

@@ -6,19 +6,21 @@ from collections.abc import Iterator
 from dataclasses import replace
 from math import isclose, isfinite
 
-from fmukit.conformance import host
-from fmukit.conformance.bench import Bench, fmi_type, limits
+from fmukit.conformance.bare import host
+from fmukit.conformance.bench import Bench
 from fmukit.conformance.rule import NotApplicable, Rules
-from fmukit.conformance.variable import Value, Variable
+from fmukit.conformance.trying import limits
+from fmukit.conformance.variable import ScalarVariable, Value
 
-B: Rules[Bench] = Rules("B")
+RULES: Rules[Bench] = Rules()
 _SHRINK = 1.2
 _WRITTEN = 1e-13  # tools write start values with 15 digits or more
 _NOISE = 1e-4
 _TYPES = ("Real", "Integer", "Boolean", "String")
 
 
-@B.add(
+@RULES.add(
+    "B1",
     "Two runs give the same numbers, bit for bit",
     "good practice",
     "let random numbers come from a seed that is a parameter, use no clock, and initialise all memory",
@@ -30,7 +32,8 @@ def determinism(bench: Bench) -> Iterator[str]:
         yield f"two runs in processes of their own differ: {changed}"
 
 
-@B.add(
+@RULES.add(
+    "B2",
     "Start values are respected",
     "2.2.7",
     "let a new instance have the start values of the model description in all variables with initial=exact",
@@ -41,7 +44,7 @@ def start_values(bench: Bench) -> Iterator[str]:
         exact = variable.initial == "exact" or variable.causality == "input"
         if not exact or variable.start is None:
             continue
-        status, (value,) = instance.get(fmi_type(variable), [variable.vr])
+        status, (value,) = instance.get(variable.fmi_type, [variable.vr])
         if status > host.WARNING:
             yield f"{variable.name} cannot be read: {host.word(status)}"
         elif not _equal(variable, value, variable.start):
@@ -49,20 +52,22 @@ def start_values(bench: Bench) -> Iterator[str]:
     bench.dismiss(instance, "initialisation")
 
 
-@B.add(
+@RULES.add(
+    "B3",
     "Outputs are finite",
     "good practice",
     "give outputs a finite value at the start, and look for a division by zero or an unstable equation",
 )
 def finite(bench: Bench) -> Iterator[str]:
-    rows = bench.life(bench.plan)
+    rows = bench.life(bench.experiment)
     for position, variable in enumerate(bench.outputs):
         k = next((k for k, row in enumerate(rows) if not isfinite(row[position])), None)
         if k is not None:
-            yield f"{variable.name} is {rows[k][position]} at {bench.plan.start + k * bench.plan.step:g} s"
+            yield f"{variable.name} is {rows[k][position]} at {bench.experiment.start + k * bench.experiment.step:g} s"
 
 
-@B.add(
+@RULES.add(
+    "B4",
     "What is set can be read back",
     "2.1.7",
     "let fmi2GetXXX return exactly what fmi2SetXXX stored, also before initialisation",
@@ -80,20 +85,20 @@ def round_trips(bench: Bench) -> Iterator[str]:
         yield from seen or ()
 
 
-def _round_trip(bench: Bench, wanted: dict[Variable, Value]) -> list[str] | None:
+def _round_trip(bench: Bench, wanted: dict[ScalarVariable, Value]) -> list[str] | None:
     """What is wrong with values set together; None if the FMU refuses them, as it may: a text can name a file."""
     instance, seen = bench.lead("instantiated"), []
     for variable, value in wanted.items():
-        status = instance.set(fmi_type(variable), [variable.vr], [value])
+        status = instance.set(variable.fmi_type, [variable.vr], [value])
         if status > host.WARNING:
             what = f"{variable.name} = {value!r} before initialisation is answered with {host.word(status)}"
             return _refusal(instance, status, None if variable.type == "String" else [what])
-    instance.expect("fmi2SetupExperiment", instance.setup(bench.plan.start))
+    instance.expect("fmi2SetupExperiment", instance.setup(bench.experiment.start))
     status = instance.call("EnterInitializationMode")
     if status > host.WARNING:
         return _refusal(instance, status, None)
     for variable, value in wanted.items():
-        _, (read,) = instance.get(fmi_type(variable), [variable.vr])
+        _, (read,) = instance.get(variable.fmi_type, [variable.vr])
         if not _equal(variable, read, value):
             seen.append(f"{variable.name} was set to {value!r} and reads back as {_plain(read)!r}")
     bench.dismiss(instance, "initialisation")
@@ -108,7 +113,7 @@ def _refusal(instance: host.Instance, status: int, seen: list[str] | None) -> li
     return seen
 
 
-def _another(variable: Variable) -> Value:
+def _another(variable: ScalarVariable) -> Value:
     """A permitted value that is not the start value and not a short binary number."""
     start = variable.start
     if variable.type == "String":
@@ -123,7 +128,7 @@ def _another(variable: Variable) -> Value:
     return next((other for other in (value + aside, value - aside) if low <= other <= high), low)
 
 
-def _equal(variable: Variable, value: object, wanted: object) -> bool:
+def _equal(variable: ScalarVariable, value: object, wanted: object) -> bool:
     if variable.type == "Real":
         return isclose(float(value), float(wanted), rel_tol=_WRITTEN, abs_tol=0.0)  # type: ignore[arg-type]
     if variable.type == "Boolean":
@@ -135,7 +140,8 @@ def _plain(value: object) -> object:
     return value.decode("utf-8", "replace") if isinstance(value, bytes) else value
 
 
-@B.add(
+@RULES.add(
+    "B5",
     "Sampled outputs do not depend on how the host cuts time into steps",
     "4.2.2",
     "sample on a grid of accumulated time, not once per fmi2DoStep: a host may take half or double steps",
@@ -145,7 +151,7 @@ def step_size_invariance(bench: Bench) -> Iterator[str]:
         raise NotApplicable("it has no outputs that are all sampled")
     bench.requires("canHandleVariableCommunicationStepSize", "it takes steps of one size only")
     bench.reference()  # without one there is nothing to compare with
-    held = _held(bench.plan, 2)
+    held = _held(bench.experiment, 2)
     expected = _at_ends(bench, held, 2)
     for parts, words in ((4, "half steps"), (1, "double steps"), (6, "thirds of a step")):
         changed = bench.difference(_at_ends(bench, held, parts), expected)
@@ -153,7 +159,8 @@ def step_size_invariance(bench: Bench) -> Iterator[str]:
             yield f"with {words} of the host the samples change: {_doubled(changed)}"
 
 
-@B.add(
+@RULES.add(
+    "B6",
     "Continuous outputs converge as the host's steps shrink",
     "4.2.2",
     "integrate over the step given, with inner steps short enough; do not count calls",
@@ -163,9 +170,9 @@ def convergence(bench: Bench) -> Iterator[str]:
         raise NotApplicable("it has no continuous outputs")
     bench.requires("canHandleVariableCommunicationStepSize", "it takes steps of one size only")
     bench.reference()
-    experiment = bench.package.root.find("DefaultExperiment")
-    tolerance = 0.0 if experiment is None else float(experiment.get("tolerance", 0.0))
-    once, twice, often = (_at_ends(bench, bench.plan, parts) for parts in (1, 2, 4))
+    declared = bench.package.root.find("DefaultExperiment")
+    tolerance = 0.0 if declared is None else float(declared.get("tolerance", 0.0))
+    once, twice, often = (_at_ends(bench, bench.experiment, parts) for parts in (1, 2, 4))
     for position, variable in enumerate(bench.outputs):
         if variable.type != "Real" or variable.variability != "continuous":
             continue
@@ -173,7 +180,7 @@ def convergence(bench: Bench) -> Iterator[str]:
         yield from _converges(variable, columns, max(tolerance, _NOISE))
 
 
-def _converges(variable: Variable, columns: list[list[float]], noise: float) -> Iterator[str]:
+def _converges(variable: ScalarVariable, columns: list[list[float]], noise: float) -> Iterator[str]:
     """Halving the steps again must change the output less than halving once, down to what an integrator may err."""
     once, twice, often = columns
     scale = max(map(abs, often), default=0.0) + 1e-12
@@ -186,17 +193,17 @@ def _converges(variable: Variable, columns: list[list[float]], noise: float) -> 
         )
 
 
-def _held(plan: host.Plan, count: int) -> host.Plan:
-    """The plan of `count` times the step, with inputs held as long."""
-    return host.Plan(plan.start, count * plan.step, plan.rows[::count])
+def _held(experiment: host.Experiment, count: int) -> host.Experiment:
+    """The experiment of `count` times the step, with inputs held as long."""
+    return host.Experiment(experiment.start, count * experiment.step, experiment.rows[::count])
 
 
-def _at_ends(bench: Bench, plan: host.Plan, parts: int) -> list[host.Row]:
-    """The outputs at the ends of the plan's steps, each of which is cut into `parts`."""
-    rows = tuple(row for row in plan.rows for _ in range(parts))
-    return bench.life(replace(plan, step=plan.step / parts, rows=rows))[parts::parts]
+def _at_ends(bench: Bench, experiment: host.Experiment, parts: int) -> list[host.Row]:
+    """The outputs at the ends of the experiment's steps, each of which is cut into `parts`."""
+    rows = tuple(row for row in experiment.rows for _ in range(parts))
+    return bench.life(replace(experiment, step=experiment.step / parts, rows=rows))[parts::parts]
 
 
 def _doubled(sentence: str) -> str:
-    """`difference` counts in steps of the plan; the time it names does not hold for plans of other steps."""
+    """`difference` counts in steps of the experiment; the time it names does not hold for other steps."""
     return sentence.partition(" s ")[2] or sentence

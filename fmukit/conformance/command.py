@@ -14,11 +14,12 @@ from rich.markup import escape
 from fmukit.conformance.check import ALL, check, holds
 from fmukit.conformance.report import records, table
 from fmukit.conformance.rule import GROUPS, Finding
+from fmukit.errors import UserError
 
 _HELP = "Only these groups: " + ", ".join(f"{letter} {name}" for letter, name in GROUPS.items()) + "."
 
 
-def check_command(
+def check_files(
     files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="FMUs, ours or anybody's.")],
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
     groups: Annotated[str, typer.Option(help=_HELP)] = ALL,
@@ -44,6 +45,6 @@ def _usable(files: Sequence[Path], groups: str) -> None:
     for file in files:
         if not file.is_file():
             what = "is a folder" if file.is_dir() else "does not exist"
-            raise typer.BadParameter(f"{file} {what}; name FMU files.")
+            raise UserError(f"{file} {what}; name FMU files")
     if not groups or set(groups) - set(ALL):
-        raise typer.BadParameter(f"there is no group {groups!r}; choose letters from {ALL}.")
+        raise UserError(f"there is no group {groups!r}; choose letters from {ALL}")

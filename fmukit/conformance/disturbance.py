@@ -10,8 +10,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from fmukit.conformance import host
-from fmukit.conformance.bench import Bench
+from fmukit.conformance.bare import host
+from fmukit.conformance.bench import RESETS, Bench
 
 Act = Callable[[host.Instance], int]
 
@@ -66,7 +66,7 @@ def unharmed(bench: Bench, instance: host.Instance, state: str, status: int, wha
 def _after_resets(bench: Bench) -> dict[str, str]:
     """What resets leave behind; where one instance at a time is allowed, only what is known already."""
     once = bench.package.flag("canBeInstantiatedOnlyOncePerProcess")
-    return bench.memory.get("resets", {}) if once else bench.after_resets()
+    return bench.known(RESETS, {}) if once else bench.after_resets()
 
 
 def _values(bench: Bench, instance: host.Instance, state: str) -> str:

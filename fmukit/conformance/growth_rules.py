@@ -7,14 +7,13 @@ import os
 import sys
 import tempfile
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 from time import monotonic
 
-from fmukit.conformance.behaviour_rules import B
 from fmukit.conformance.bench import Bench
-from fmukit.conformance.rule import NotApplicable
+from fmukit.conformance.rule import NotApplicable, Rules
 
+RULES: Rules[Bench] = Rules()
 WARM_UP, CYCLES = 25, 60
 LEAK = 16384.0
 _PATIENCE = 4.0
@@ -25,10 +24,10 @@ _ME = Path("/proc/self")
 
 def use(bench: Bench, cycles: int, patience: float = _PATIENCE) -> int:
     """Instantiate, run and free that often, or for `patience` [s] if that is shorter; how often it was."""
-    plan = replace(bench.plan, rows=bench.plan.rows[:_STEPS])
+    experiment = bench.experiment.until(_STEPS)
     began = monotonic()
     for cycle in range(cycles):
-        bench.life(plan)
+        bench.life(experiment)
         if cycle % 10 == 9:
             gc.collect()
         if monotonic() - began > patience:
@@ -73,7 +72,8 @@ def _none(bench: Bench, what: str, words: str) -> Iterator[str]:
         yield f"{cycles} lives of {_STEPS} steps left {growth} {words}"
 
 
-@B.add(
+@RULES.add(
+    "B14",
     "Memory does not grow",
     "2.1.5",
     "free all memory of an instance in fmi2FreeInstance",
@@ -84,7 +84,8 @@ def memory(bench: Bench) -> Iterator[str]:
         yield f"each life of {_STEPS} steps leaves {growth / cycles / 1024:.0f} kB behind, measured over {cycles} lives"
 
 
-@B.add(
+@RULES.add(
+    "B15",
     "File handles are closed",
     "2.1.5",
     "close files, sockets and pipes no later than in fmi2FreeInstance",
@@ -93,7 +94,8 @@ def handles(bench: Bench) -> Iterator[str]:
     yield from _none(bench, "handles", "file handles open")
 
 
-@B.add(
+@RULES.add(
+    "B16",
     "Threads end",
     "2.1.5",
     "stop and join the threads of an instance no later than in fmi2FreeInstance",
@@ -102,7 +104,8 @@ def threads(bench: Bench) -> Iterator[str]:
     yield from _none(bench, "threads", "threads running")
 
 
-@B.add(
+@RULES.add(
+    "B17",
     "Python's module path does not grow",
     "good practice",
     "take entries the FMU puts into sys.path out again (PythonFMU adds one per instance and leaves it)",
@@ -113,7 +116,8 @@ def module_path(bench: Bench) -> Iterator[str]:
     yield from _none(bench, "path", "more entries in sys.path")
 
 
-@B.add(
+@RULES.add(
+    "B18",
     "No files are left behind",
     "good practice",
     "delete temporary files no later than in fmi2FreeInstance, and write none into the working folder",

@@ -8,16 +8,18 @@ from dataclasses import replace
 from pathlib import Path
 from shutil import copytree
 
-from fmukit.conformance import errand, host
+from fmukit.conformance import errand
+from fmukit.conformance.bare import host
 from fmukit.conformance.bench import Bench
 from fmukit.conformance.lifecycle_rules import disturbed_by_another
 from fmukit.conformance.rule import NotApplicable, Rules
 from fmukit.conformance.stranger import namesakes, stranger
 
-I: Rules[Bench] = Rules("I")  # noqa: E741  (the letter of the group)
+RULES: Rules[Bench] = Rules()
 
 
-@I.add(
+@RULES.add(
+    "I1",
     "It needs no packages of the host",
     "good practice",
     "embed what the FMU imports, or name the packages it needs in resources/requirements.txt",
@@ -38,7 +40,8 @@ def no_host_packages(bench: Bench) -> Iterator[str]:
         yield f"in a Python without any packages its numbers differ: {changed}"
 
 
-@I.add(
+@RULES.add(
+    "I2",
     "A copy and other FMUs in the process change nothing, in any order",
     "good practice",
     "give embedded modules names no other FMU has (a content hash), import them relatively, keep no global data",
@@ -62,7 +65,7 @@ def _in_company(sequence: list[list[Bench]], alone: dict[int, list[host.Row]]) -
     """Run them in one process of their own and compare each with its run alone."""
     words = ", ".join(" beside ".join(bench.package.identifier for bench in together) for together in sequence)
     try:
-        results = errand.send([errand.lives([(b.target, b.plan) for b in together]) for together in sequence])
+        results = errand.send([errand.lives([(b.target, b.experiment) for b in together]) for together in sequence])
     except host.CallFailed as error:
         yield f"run in one process in the order {words}: {error}"
         return
@@ -73,7 +76,8 @@ def _in_company(sequence: list[list[Bench]], alone: dict[int, list[host.Row]]) -
                 yield f"run in one process in the order {words}, {bench.package.identifier} differs: {changed}"
 
 
-@I.add(
+@RULES.add(
+    "I3",
     "Modules of the same names in another FMU or in the host change nothing",
     "good practice",
     "put the embedded modules into a package whose name carries a content hash, and import them relatively",
@@ -86,7 +90,7 @@ def same_names(bench: Bench) -> Iterator[str]:
     reference = bench.alone()
     with tempfile.TemporaryDirectory() as folder:
         other = stranger(bench, Path(folder), names)
-        tasks = [errand.lives([(other, replace(bench.plan, rows=((), ())))]), bench.task()]
+        tasks = [errand.lives([(other, replace(bench.experiment, rows=((), ())))]), bench.task()]
         words = f"after another FMU that embeds modules named {', '.join(names)}"
         try:
             rows = errand.send(tasks)[1][0]

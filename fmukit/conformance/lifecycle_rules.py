@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from fmukit.conformance import errand, host
+from fmukit.conformance import errand
+from fmukit.conformance.bare import host
 from fmukit.conformance.bench import STATES, Bench
 from fmukit.conformance.rule import NotApplicable, Rules
 
-L: Rules[Bench] = Rules("L")
+RULES: Rules[Bench] = Rules()
 _LIVES = 10
 
 
-@L.add(
+@RULES.add(
+    "L1",
     "An instance can be made and freed",
     "2.1.5",
     "make fmi2Instantiate return an instance and fmi2FreeInstance release it without touching anything else",
+    vital=True,
 )
 def made_and_freed(bench: Bench) -> Iterator[str]:
     for _ in range(3):
@@ -23,18 +26,21 @@ def made_and_freed(bench: Bench) -> Iterator[str]:
     yield from ()
 
 
-@L.add(
+@RULES.add(
+    "L2",
     "A whole life from instantiate to free succeeds",
     "4.2.4",
     "let every call of the usual order return fmi2OK: instantiate, setupExperiment, enter and exit initialisation, "
     "steps, terminate, free",
+    vital=True,
 )
 def whole_life(bench: Bench) -> Iterator[str]:
-    bench.life(bench.plan)
+    bench.life(bench.experiment)
     yield from ()
 
 
-@L.add(
+@RULES.add(
+    "L3",
     "An instance can be freed in every state",
     "2.1.5",
     "let fmi2FreeInstance release an instance that was never initialised or is in the middle of a run",
@@ -48,7 +54,8 @@ def freed_in_every_state(bench: Bench) -> Iterator[str]:
     yield from ()
 
 
-@L.add(
+@RULES.add(
+    "L4",
     "Outputs can be read in every state after instantiation",
     "4.2.4",
     "let fmi2GetXXX succeed in initialisation mode, between steps and after terminate",
@@ -63,7 +70,8 @@ def read_in_every_state(bench: Bench) -> Iterator[str]:
         bench.dismiss(instance, state)
 
 
-@L.add(
+@RULES.add(
+    "L5",
     "Reset brings every state back to a new instance",
     "2.1.6",
     "let fmi2Reset restore all variables and all hidden state to what fmi2Instantiate makes",
@@ -74,7 +82,8 @@ def reset(bench: Bench) -> Iterator[str]:
             yield f"reset in the state '{state}' leaves something behind: {changed}"
 
 
-@L.add(
+@RULES.add(
+    "L6",
     "One life after the other gives the same numbers",
     "2.1.5",
     "keep all data in the instance; nothing of one instance may outlive it in global variables",
@@ -82,13 +91,14 @@ def reset(bench: Bench) -> Iterator[str]:
 def repeated_lives(bench: Bench) -> Iterator[str]:
     reference = bench.alone()
     for number in range(1, _LIVES + 1):
-        changed = bench.difference(bench.life(bench.plan), reference)
+        changed = bench.difference(bench.life(bench.experiment), reference)
         if changed:
             yield f"life {number} of this process differs from one in a process of its own: {changed}"
             return
 
 
-@L.add(
+@RULES.add(
+    "L7",
     "Several instances at once do not disturb each other",
     "2.1.5",
     "keep all data in the instance, none in global or module variables; or declare canBeInstantiatedOnlyOncePerProcess",
@@ -110,19 +120,20 @@ def _in_turns(bench: Bench) -> str:
     reference = bench.reference()
     other = bench.lead("stepping", 3)
     one = bench.lead("instantiated")
-    seen = [host.initialised(one, bench.plan)]
-    for k in range(len(bench.plan.rows)):
-        seen += host.steps(one, _until(bench.plan, k + 1), k)
-        if 3 + k < len(bench.plan.rows):
-            host.steps(other, _until(bench.plan, 4 + k), 3 + k)
-        if k == len(bench.plan.rows) // 2:
+    seen = [host.initialised(one, bench.experiment)]
+    for k in range(len(bench.experiment.rows)):
+        seen += host.steps(one, bench.experiment.until(k + 1), k)
+        if 3 + k < len(bench.experiment.rows):
+            host.steps(other, bench.experiment.until(4 + k), 3 + k)
+        if k == len(bench.experiment.rows) // 2:
             bench.make("passing").free()
     other.free()
     one.free()
     return bench.difference(seen, reference)
 
 
-@L.add(
+@RULES.add(
+    "L8",
     "A process that ran the FMU ends in peace",
     "good practice",
     "release what the library holds once only; look at static destructors and at functions called at exit",
@@ -131,7 +142,3 @@ def ends_in_peace(bench: Bench) -> Iterator[str]:
     for _ in range(2):
         errand.send([bench.task()], peaceful=True)
     yield from ()
-
-
-def _until(plan: host.Plan, count: int) -> host.Plan:
-    return host.Plan(plan.start, plan.step, plan.rows[:count])

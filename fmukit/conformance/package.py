@@ -13,10 +13,10 @@ from typing import Any
 
 from lxml import etree
 
-from fmukit import archive
-from fmukit.archive import ArchiveError
+from fmukit import unpacking
 from fmukit.conformance.schema import violations
-from fmukit.conformance.variable import Variable, read_variables
+from fmukit.conformance.variable import ScalarVariable, read_variables
+from fmukit.unpacking import ArchiveError
 
 DESCRIPTION = "modelDescription.xml"
 
@@ -43,7 +43,7 @@ class Package:
         if not path.is_file():
             raise FileNotFoundError(2, "there is no such file", str(path))
         try:
-            entries = tuple(archive.entries_of(path))
+            entries = tuple(unpacking.entries_of(path))
         except ArchiveError as error:
             return cls(path, (), damage=str(error))
         return _described(path, entries)
@@ -64,7 +64,7 @@ class Package:
         return self.root is not None and not self.schema_errors
 
     @cached_property
-    def variables(self) -> tuple[Variable, ...]:
+    def variables(self) -> tuple[ScalarVariable, ...]:
         """All variables in their order; none unless `readable`."""
         return read_variables(self.root) if self.readable else ()
 
@@ -98,16 +98,30 @@ class Package:
         """Whether the FMU is made with PythonFMU, and so shares the host's interpreter."""
         return self.root is not None and str(self.root.get("generationTool", "")).startswith("PythonFMU")
 
+    @property
+    def listed_sources(self) -> list[str]:
+        """The files of sources/ that the description lists."""
+        listed = () if self.cosimulation is None else self.cosimulation.iterfind("SourceFiles/File")
+        return [str(file.get("name")) for file in listed]
+
+    def head(self, name: str, most: int = 4096) -> bytes:
+        """The first bytes of an entry; none if it cannot be read, which the first rule tells."""
+        try:
+            with zipfile.ZipFile(self.path) as zipped, zipped.open(name) as source:
+                return source.read(most)
+        except Exception:  # zipfile raises many kinds, see fmukit.unpacking
+            return b""
+
     def unpack(self, folder: Path) -> None:
         """Unpack into the empty or new `folder`; raises ArchiveError on anything suspicious."""
-        archive.unpack(self.path, folder)
+        unpacking.unpack(self.path, folder)
 
 
 def _described(path: Path, entries: tuple[zipfile.ZipInfo, ...]) -> Package:
     if DESCRIPTION not in {entry.filename for entry in entries}:
         return Package(path, entries, flaw=f"there is no {DESCRIPTION}")
     try:
-        data = archive.read_member(path, DESCRIPTION)
+        data = unpacking.read_member(path, DESCRIPTION)
     except ArchiveError as error:
         return Package(path, entries, damage=str(error))
     try:
@@ -118,5 +132,5 @@ def _described(path: Path, entries: tuple[zipfile.ZipInfo, ...]) -> Package:
 
 def parse(data: bytes) -> Any:
     """The root element; no entity is expanded, nothing else is read."""
-    archive.refuse_entities(DESCRIPTION, data)
+    unpacking.refuse_entities(DESCRIPTION, data)
     return etree.fromstring(data, etree.XMLParser(resolve_entities=False, no_network=True, remove_comments=True))

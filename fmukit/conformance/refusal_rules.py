@@ -8,13 +8,14 @@ from dataclasses import replace
 from functools import partial
 from operator import methodcaller
 
-from fmukit.conformance import host
-from fmukit.conformance.bench import Bench, first, fmi_type, limits
+from fmukit.conformance.bare import host
+from fmukit.conformance.bench import Bench
 from fmukit.conformance.disturbance import disturbed
-from fmukit.conformance.lifecycle_rules import L
-from fmukit.conformance.rule import NotApplicable
-from fmukit.conformance.variable import Variable
+from fmukit.conformance.rule import NotApplicable, Rules
+from fmukit.conformance.trying import first, limits
+from fmukit.conformance.variable import ScalarVariable
 
+RULES: Rules[Bench] = Rules()
 _ORDER = (
     ("ExitInitializationMode", "instantiated"),
     ("Terminate", "instantiated"),
@@ -25,20 +26,22 @@ _ORDER = (
 )
 
 
-@L.add(
+@RULES.add(
+    "L9",
     "DoStep is refused outside the stepping state",
     "good practice",
     "remember the state of the instance; refuse fmi2DoStep with a message before initialisation and after terminate",
 )
 def step_in_its_place(bench: Bench) -> Iterator[str]:
-    plan = bench.plan
+    experiment = bench.experiment
     for state in ("instantiated", "initialisation", "terminated"):
         yield from disturbed(
-            bench, f"fmi2DoStep in the state '{state}'", state, methodcaller("step", plan.start, plan.step)
+            bench, f"fmi2DoStep in the state '{state}'", state, methodcaller("step", experiment.start, experiment.step)
         )
 
 
-@L.add(
+@RULES.add(
+    "L10",
     "Changes of state out of order are refused",
     "good practice",
     "remember the state of the instance; refuse to enter or leave initialisation or to terminate out of order",
@@ -48,7 +51,8 @@ def order(bench: Bench) -> Iterator[str]:
         yield from disturbed(bench, f"fmi2{name} in the state '{state}'", state, methodcaller("call", name))
 
 
-@L.add(
+@RULES.add(
+    "L11",
     "Nothing can be set after terminate",
     "4.2.4",
     "refuse fmi2SetXXX with a message after fmi2Terminate",
@@ -58,19 +62,21 @@ def set_after_terminate(bench: Bench) -> Iterator[str]:
         yield from _set(bench, variable, "terminated", "after terminate")
 
 
-@L.add(
+@RULES.add(
+    "L12",
     "Steps that do not go forward are refused",
     "good practice",
     "refuse fmi2DoStep with a step that is zero, negative, infinite or not a number",
 )
 def impossible_steps(bench: Bench) -> Iterator[str]:
-    time = bench.plan.start + 5 * bench.plan.step
-    for size in (0.0, -bench.plan.step, math.nan, math.inf):
+    time = bench.experiment.start + 5 * bench.experiment.step
+    for size in (0.0, -bench.experiment.step, math.nan, math.inf):
         what = f"a step of {size:g} s"
         yield from disturbed(bench, what, "stepping", methodcaller("step", time, size))
 
 
-@L.add(
+@RULES.add(
+    "L13",
     "Outputs and fixed parameters cannot be set during the run",
     "2.2.7",
     "refuse fmi2SetXXX on outputs, and on fixed parameters once initialised, with a message",
@@ -81,7 +87,8 @@ def set_what_is_fixed(bench: Bench) -> Iterator[str]:
         yield from _set(bench, variable, "stepping", f"during the run ({variable.causality})")
 
 
-@L.add(
+@RULES.add(
+    "L14",
     "Value references that do not exist are refused",
     "good practice",
     "check value references before using them as an index",
@@ -95,7 +102,8 @@ def unknown_references(bench: Bench) -> Iterator[str]:
         yield from disturbed(bench, what, "stepping", methodcaller("set", "Real", [reference], [0.0]))
 
 
-@L.add(
+@RULES.add(
+    "L15",
     "A GUID of another model is refused",
     "2.1.5",
     "compare the GUID given to fmi2Instantiate with that of the model description; return no instance if they differ",
@@ -114,17 +122,17 @@ def _get(reference: int, instance: host.Instance) -> int:
     return instance.get("Real", [reference])[0]
 
 
-def _set(bench: Bench, variable: Variable, state: str, when: str) -> Iterator[str]:
+def _set(bench: Bench, variable: ScalarVariable, state: str, when: str) -> Iterator[str]:
     """Setting another permitted value than the present one."""
 
     def act(instance: host.Instance) -> int:
-        _, (value,) = instance.get(fmi_type(variable), [variable.vr])
-        return instance.set(fmi_type(variable), [variable.vr], [_another(variable, value)])
+        _, (value,) = instance.get(variable.fmi_type, [variable.vr])
+        return instance.set(variable.fmi_type, [variable.vr], [_another(variable, value)])
 
     yield from disturbed(bench, f"setting {variable.name} {when}", state, act)
 
 
-def _another(variable: Variable, value: float) -> float:
+def _another(variable: ScalarVariable, value: float) -> float:
     low, high = limits(variable)
     other = value + 0.5 * (variable.nominal or abs(value) or 1.0)
     return other if other <= high else 0.5 * (max(low, -1e3) + value)

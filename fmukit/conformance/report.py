@@ -23,15 +23,15 @@ def table(path: Path, findings: Sequence[Finding]) -> Group:
         grid.add_column(heading, no_wrap=heading in ("rule", "status"))
     for finding in findings:
         rule, style = finding.rule, _STYLE[finding.status]
-        grid.add_row(rule.number, _story(finding), Text(rule.section), Text(finding.status, style))
-    reasons = [Text(f"{numbers} skipped: {reason}", "dim") for reason, numbers in _skipped(findings).items()]
+        grid.add_row(rule.id, _story(finding), Text(rule.section), Text(finding.status, style))
+    reasons = [Text(f"{ids} skipped: {reason}", "dim") for reason, ids in _skipped(findings).items()]
     return Group(grid, *reasons, Text(f"{path}: {summary(findings)}", "bold"))
 
 
 def summary(findings: Sequence[Finding]) -> str:
     """How many rules hold, fail and do not apply, in words."""
     count = Counter(finding.status for finding in findings)
-    failed = [finding.rule.number for finding in findings if finding.status == "fail"]
+    failed = [finding.rule.id for finding in findings if finding.status == "fail"]
     words = [f"{count['pass']} rules hold"]
     words += [f"{count['skip']} do not apply"] if count["skip"] else []
     words += [f"{count['fail']} broken ({', '.join(failed)})"] if failed else []
@@ -43,14 +43,14 @@ def sentences(path: Path, findings: Iterable[Finding]) -> str:
     lines = []
     for finding in findings:
         if finding.status == "fail":
-            lines += [f"{path}: {finding.rule.number} {finding.rule.title} (section {finding.rule.section})"]
+            lines += [f"{path}: {finding.rule.id} {finding.rule.title} (section {finding.rule.section})"]
             lines += [f"  - {_printable(seen)}" for seen in finding.seen] + [f"  > {finding.rule.remedy}"]
     return "\n".join(lines)
 
 
 def rule_table(rules: Iterable[Rule[Any]]) -> str:
-    """Number, title and section of the rules as a Markdown table."""
-    lines = [f"| {rule.number} | {rule.title} | {rule.section} |" for rule in rules]
+    """Id, title and section of the rules as a Markdown table."""
+    lines = [f"| {rule.id} | {rule.title} | {rule.section} |" for rule in rules]
     return "\n".join(["| rule | what must hold | section |", "|---|---|---|", *lines])
 
 
@@ -59,7 +59,7 @@ def records(path: Path, findings: Iterable[Finding]) -> list[dict[str, object]]:
     return [
         {
             "file": str(path),
-            "rule": finding.rule.number,
+            "rule": finding.rule.id,
             "group": finding.rule.group,
             "title": finding.rule.title,
             "section": finding.rule.section,
@@ -81,12 +81,12 @@ def _story(finding: Finding) -> Text:
 
 
 def _skipped(findings: Iterable[Finding]) -> dict[str, str]:
-    """Reason -> numbers of the rules."""
-    numbers: dict[str, list[str]] = {}
+    """Reason -> ids of the rules."""
+    ids: dict[str, list[str]] = {}
     for finding in findings:
         if finding.status == "skip":
-            numbers.setdefault(_printable(" ".join(finding.seen)), []).append(finding.rule.number)
-    return {reason: ", ".join(rules) for reason, rules in numbers.items()}
+            ids.setdefault(_printable(" ".join(finding.seen)), []).append(finding.rule.id)
+    return {reason: ", ".join(rules) for reason, rules in ids.items()}
 
 
 def _printable(text: str) -> str:

@@ -1,4 +1,4 @@
-"""What a rule is: a number, what must hold, where the standard says so, and the function that looks."""
+"""What a rule is: an id, what must hold, where the standard says so, and the function that looks."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any, Generic, Literal, TypeVar
 
 S = TypeVar("S")
 Status = Literal["pass", "fail", "skip"]
+Check = Callable[[S], Iterator[str]]
 GROUPS = {"A": "archive", "X": "model description", "L": "life cycle", "B": "behaviour", "I": "isolation"}
 
 
@@ -19,18 +20,30 @@ class NotApplicable(Exception):  # noqa: N818  (a reason, not an error)
 class Rule(Generic[S]):
     """`check` takes the subject of its group and yields one sentence, with the value seen, per violation.
 
-    `section` names the section of the FMI 2.0 standard, or "good practice"; `remedy` tells a newcomer what to do.
+    The `id` is the letter of the group and a number, which the rule keeps for good. `section` names the section of the
+    FMI 2.0 standard, or "good practice"; `remedy` tells a newcomer what to do. `needs` gives the reason why the rule
+    does not apply to a subject, or "". What breaks a `vital` rule is not run any further.
     """
 
-    number: str
+    id: str
     title: str
     section: str
     remedy: str
-    check: Callable[[S], Iterator[str]]
+    check: Check[S]
+    needs: Callable[[S], str]
+    vital: bool = False
 
     @property
     def group(self) -> str:
-        return GROUPS[self.number[0]]
+        """The name of the group."""
+        return GROUPS[self.id[0]]
+
+    def violations(self, subject: S) -> Iterator[str]:
+        """One sentence per violation; raises NotApplicable."""
+        reason = self.needs(subject)
+        if reason:
+            raise NotApplicable(reason)
+        yield from self.check(subject)
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,24 +55,41 @@ class Finding:
     seen: tuple[str, ...] = ()
 
 
-class Rules(Generic[S]):
-    """An ordered group of rules, filled by the decorator `add`; numbers follow the order: A1, A2, ..."""
+def nothing(_subject: object) -> str:
+    """The `needs` of rules that apply to every subject."""
+    return ""
 
-    def __init__(self, letter: str) -> None:
-        self.letter = letter
-        self.rules: list[Rule[S]] = []
+
+class Rules(Generic[S]):
+    """A table of rules with the same `needs`, filled by the decorator `add`."""
+
+    def __init__(self, needs: Callable[[S], str] = nothing) -> None:
+        self._needs = needs
+        self._rules: list[Rule[S]] = []
+
+    def __iter__(self) -> Iterator[Rule[S]]:
+        return iter(self._rules)
 
     def add(
-        self, title: str, section: str, remedy: str
-    ) -> Callable[[Callable[[S], Iterator[str]]], Callable[[S], Iterator[str]]]:
-        """Register the decorated check as the next rule of the group."""
+        self, id_: str, title: str, section: str, remedy: str, *, vital: bool = False
+    ) -> Callable[[Check[S]], Check[S]]:
+        """Put the decorated check into the table as the rule `id_`."""
 
-        def register(check: Callable[[S], Iterator[str]]) -> Callable[[S], Iterator[str]]:
-            number = f"{self.letter}{len(self.rules) + 1}"
-            self.rules.append(Rule(number, title, section, remedy, check))
+        def register(check: Check[S]) -> Check[S]:
+            self._rules.append(Rule(id_, title, section, remedy, check, self._needs, vital))
             return check
 
         return register
+
+
+def in_order(*tables: Rules[S]) -> tuple[Rule[S], ...]:
+    """The rules of all tables by group and number; raises ValueError when two of them have the same id."""
+    rules = [rule for table in tables for rule in table]
+    ids = [rule.id for rule in rules]
+    twice = sorted({id_ for id_ in ids if ids.count(id_) > 1})
+    if twice:
+        raise ValueError(f"there is more than one rule {', '.join(twice)}; give each an id of its own")
+    return tuple(sorted(rules, key=lambda rule: (list(GROUPS).index(rule.id[0]), int(rule.id[1:]))))
 
 
 def look(rule: Rule[S], subject: S, most: int = 5) -> Finding:
@@ -68,7 +98,7 @@ def look(rule: Rule[S], subject: S, most: int = 5) -> Finding:
     A check that itself breaks down counts as a failure of its rule: an FMU must not be able to stop the check.
     """
     try:
-        seen = list(rule.check(subject))
+        seen = list(rule.violations(subject))
     except NotApplicable as reason:
         return Finding(rule, "skip", (str(reason),))
     except Exception as error:

@@ -14,16 +14,15 @@ from pathlib import Path
 from typing import Any
 
 import fmukit
-from fmukit.archive import ArchiveError
-from fmukit.conformance.bench import PLATFORM
+from fmukit.conformance.bench import PLATFORM, Bench
 from fmukit.conformance.errand import death
-from fmukit.conformance.groups import FOUNDATION, RULES
 from fmukit.conformance.package import Package
-from fmukit.conformance.rule import Finding
+from fmukit.conformance.rule import Finding, Rule
+from fmukit.conformance.rulebook import RUNNING
+from fmukit.unpacking import ArchiveError
 
 PATIENCE = 30.0
-_RULES = {rule.number: rule for rule in RULES}
-_NUMBERS = list(_RULES)
+_BY_ID = {rule.id: rule for rule in RUNNING}
 
 
 def run_groups(
@@ -32,12 +31,12 @@ def run_groups(
     """A finding per rule of the groups L, B and I, in their order.
 
     `others` are FMUs to run beside it. A rule that takes longer than `patience` [s] fails. The archive is unpacked with
-    the limits of `fmukit.archive`; its code runs with the rights of the caller.
+    the limits of `fmukit.unpacking`; its code runs with the rights of the caller.
     """
     package = subject if isinstance(subject, Package) else Package.read(subject)
     reason = _unfit(package)
     if reason:
-        return _skipped(_NUMBERS, reason)
+        return skipped(RUNNING, reason)
     with tempfile.TemporaryDirectory(prefix="fmus-check-", ignore_cleanup_errors=True) as name:
         scratch = Path(name)
         try:
@@ -50,7 +49,7 @@ def run_groups(
                 for text in (str(other.path.resolve()), _unpacked(other, scratch / f"other{k}"))
             ]
         except ArchiveError as error:
-            return _skipped(_NUMBERS, str(error))
+            return skipped(RUNNING, str(error))
         return _all_rules(arguments, extra, scratch, patience)
 
 
@@ -68,19 +67,20 @@ def _unfit(package: Package) -> str:
     return "" if library in package.names else f"it has no binary for this platform ({library})"
 
 
-def _skipped(numbers: Sequence[str], reason: str) -> list[Finding]:
-    return [Finding(_RULES[number], "skip", (reason,)) for number in numbers]
+def skipped(rules: Sequence[Rule[Bench]], reason: str) -> list[Finding]:
+    """Findings that say why none of the rules was looked at."""
+    return [Finding(rule, "skip", (reason,)) for rule in rules]
 
 
 def _all_rules(arguments: list[str], others: list[str], scratch: Path, patience: float) -> list[Finding]:
     """Worker after worker, until every rule has its finding."""
     found: list[Finding] = []
-    while len(found) < len(_NUMBERS):
-        for finding in _one_worker([*arguments, _NUMBERS[len(found)], *others], scratch, patience):
+    while len(found) < len(RUNNING):
+        for finding in _one_worker([*arguments, RUNNING[len(found)].id, *others], scratch, patience):
             found.append(finding)
-            number = finding.rule.number
-            if number in FOUNDATION and finding.status == "fail":
-                return found + _skipped(_NUMBERS[len(found) :], f"not looked at, because rule {number} does not hold")
+            rule = finding.rule
+            if rule.vital and finding.status == "fail":
+                return found + skipped(RUNNING[len(found) :], f"not looked at, because rule {rule.id} does not hold")
     return found
 
 
@@ -97,13 +97,13 @@ def _one_worker(arguments: list[str], scratch: Path, patience: float) -> Iterato
                 break
             at = event.get("begin", at)
             if "status" in event:
-                yield Finding(_RULES[event["number"]], event["status"], tuple(event["seen"]))
+                yield Finding(_BY_ID[event["rule"]], event["status"], tuple(event["seen"]))
                 at = ""
         code = process.wait()
         if at:
-            yield Finding(_RULES[at], "fail", (f"the process {death(code)}",))
+            yield Finding(_BY_ID[at], "fail", (f"the process {death(code)}",))
     except queue.Empty:
-        yield Finding(_RULES[at or arguments[2]], "fail", (f"no answer within {patience:g} s: a call does not return",))
+        yield Finding(_BY_ID[at or arguments[2]], "fail", (f"no answer within {patience:g} s: a call does not return",))
     finally:
         process.kill()
         process.wait()

@@ -6,17 +6,19 @@ import random
 from collections.abc import Iterator
 from functools import partial
 
-from fmukit.conformance import errand, host
-from fmukit.conformance.behaviour_rules import B
+from fmukit.conformance import errand
+from fmukit.conformance.bare import host
 from fmukit.conformance.bench import Bench
 from fmukit.conformance.disturbance import attempt, unharmed, verdict
-from fmukit.conformance.rule import NotApplicable
+from fmukit.conformance.rule import NotApplicable, Rules
 
+RULES: Rules[Bench] = Rules()
 _BEFORE = 10
 _FLIPS = 40
 
 
-@B.add(
+@RULES.add(
+    "B7",
     "A restored FMU state replays the run exactly",
     "2.1.8",
     "put everything the future depends on into the FMU state, also what is not a variable",
@@ -34,19 +36,20 @@ def _replay_in_place(bench: Bench) -> Iterator[str]:
     expected = bench.reference()[1 + _BEFORE :]
     instance = bench.lead("stepping", _BEFORE)
     state = instance.state()
-    host.steps(instance, bench.plan, _BEFORE)
+    host.steps(instance, bench.experiment, _BEFORE)
     for after in ("after running on", "a second time", "after a reset"):
         if after == "after a reset":
             instance.must("Reset")
         instance.restore(state)
-        changed = bench.difference(host.steps(instance, bench.plan, _BEFORE), expected)
+        changed = bench.difference(host.steps(instance, bench.experiment, _BEFORE), expected)
         if changed:
             yield f"restored {after}, the run differs: {changed}"
     instance.forget(state)
     instance.free()
 
 
-@B.add(
+@RULES.add(
+    "B8",
     "A serialised FMU state replays in another instance",
     "2.1.8",
     "serialise all of the FMU state, not only the variables",
@@ -66,14 +69,15 @@ def _replay_elsewhere(bench: Bench) -> Iterator[str]:
     status, state = other.from_bytes(data)
     other.expect("fmi2DeSerializeFMUstate", status)
     other.restore(state)
-    changed = bench.difference(host.steps(other, bench.plan, _BEFORE), expected)
+    changed = bench.difference(host.steps(other, bench.experiment, _BEFORE), expected)
     if changed:
         yield f"restored from bytes in another instance, the run differs: {changed}"
     other.forget(state)
     other.free()
 
 
-@B.add(
+@RULES.add(
+    "B9",
     "A serialised FMU state replays in another process",
     "2.1.8",
     "let the bytes stand on their own: no pointers, no indices into memory of the process that wrote them",
@@ -82,13 +86,14 @@ def replay_in_another_process(bench: Bench) -> Iterator[str]:
     _needs_sound_states(bench)
     if _differences_elsewhere(bench):
         raise NotApplicable("serialised states do not even replay in the same process")
-    task = errand.rest(bench.target, bench.plan, _bytes(bench), _BEFORE)
+    task = errand.rest(bench.target, bench.experiment, _bytes(bench), _BEFORE)
     changed = bench.difference(errand.send([task])[0][0], bench.reference()[1 + _BEFORE :])
     if changed:
         yield f"restored from bytes in another process, the run differs: {changed}"
 
 
-@B.add(
+@RULES.add(
+    "B10",
     "Damaged or foreign bytes are refused as FMU state",
     "good practice",
     "put a checksum and the GUID into the bytes, and check them and the length before using anything",

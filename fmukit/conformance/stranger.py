@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 from shutil import copy2, copytree
 
-from fmukit.conformance import host
+from fmukit.conformance.bare import host
 from fmukit.conformance.bench import PLATFORM, Bench
 
 _HASHED = re.compile(r"(?=[0-9a-f]*\d)[0-9a-f]{8,}")

@@ -5,19 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 
-from fmukit.conformance import host
-from fmukit.conformance.behaviour_rules import B
-from fmukit.conformance.bench import Bench, first, fmi_type, formatting
+from fmukit.conformance.bare import host
+from fmukit.conformance.bench import Bench, formatting
 from fmukit.conformance.disturbance import attempt, disturbed, verdict
-from fmukit.conformance.rule import NotApplicable
-from fmukit.conformance.variable import Variable
+from fmukit.conformance.rule import NotApplicable, Rules
+from fmukit.conformance.trying import first
+from fmukit.conformance.variable import ScalarVariable
 
+RULES: Rules[Bench] = Rules()
 _MOST = 60
 _FORMAT = "100%s%s%s%s%n%d"
-Case = tuple[Variable, float]
+Case = tuple[ScalarVariable, float]
 
 
-@B.add(
+@RULES.add(
+    "B11",
     "NaN and infinity are refused",
     "good practice",
     "check that every Real value set is finite; refuse it with a message and keep the old value",
@@ -29,7 +31,8 @@ def not_finite(bench: Bench) -> Iterator[str]:
     yield from _refused(bench, "instantiated", [(v, values[k % 3]) for k, v in enumerate(parameters)])
 
 
-@B.add(
+@RULES.add(
+    "B12",
     "Values outside min and max are refused",
     "good practice",
     "compare every value set with the declared min and max; refuse it with a message and keep the old value",
@@ -43,7 +46,7 @@ def out_of_range(bench: Bench) -> Iterator[str]:
     yield from _refused(bench, "instantiated", [case for v in [*parameters, *integers] for case in _outside(v)])
 
 
-def _real(bench: Bench) -> tuple[list[Variable], list[Variable], list[Variable]]:
+def _real(bench: Bench) -> tuple[list[ScalarVariable], list[ScalarVariable], list[ScalarVariable]]:
     inputs = list(first(bench.select("input", "Real"), _MOST))
     parameters = list(first([v for v in bench.select("parameter", "Real") if v.settable_before_start], _MOST))
     if not inputs and not parameters:
@@ -51,7 +54,7 @@ def _real(bench: Bench) -> tuple[list[Variable], list[Variable], list[Variable]]
     return inputs + parameters, inputs, parameters
 
 
-def _outside(variable: Variable) -> Iterator[Case]:
+def _outside(variable: ScalarVariable) -> Iterator[Case]:
     if variable.max is not None and variable.max < (2**31 - 1 if variable.type == "Integer" else 1e300):
         yield variable, variable.max + (1 if variable.type == "Integer" else 1e-3 * max(1.0, abs(variable.max)))
     if variable.min is not None and variable.min > (-(2**31) if variable.type == "Integer" else -1e300):
@@ -90,11 +93,11 @@ def _refused(bench: Bench, state: str, cases: Sequence[Case]) -> Iterator[str]:
         yield from disturbed(bench, "setting such values", state, all_at_once)
 
 
-def _setting(variable: Variable, value: float) -> Callable[[host.Instance], int]:
-    return lambda instance: instance.set(fmi_type(variable), [variable.vr], [value])
+def _setting(variable: ScalarVariable, value: float) -> Callable[[host.Instance], int]:
+    return lambda instance: instance.set(variable.fmi_type, [variable.vr], [value])
 
 
-def _objecting(bench: Bench, variable: Variable, value: float, state: str) -> Callable[[host.Instance], int]:
+def _objecting(bench: Bench, variable: ScalarVariable, value: float, state: str) -> Callable[[host.Instance], int]:
     """Set the value and, if that is not refused, make the call that would use it."""
 
     def act(instance: host.Instance) -> int:
@@ -102,14 +105,15 @@ def _objecting(bench: Bench, variable: Variable, value: float, state: str) -> Ca
         if status > host.WARNING or said:
             return status
         if state == "stepping":
-            return instance.step(bench.plan.start + 5 * bench.plan.step, bench.plan.step)
-        instance.enter(bench.plan.start)
+            return instance.step(bench.experiment.start + 5 * bench.experiment.step, bench.experiment.step)
+        instance.enter(bench.experiment.start)
         return instance.call("ExitInitializationMode")
 
     return act
 
 
-@B.add(
+@RULES.add(
+    "B13",
     "A % in a text is not taken for a format",
     "2.1.5",
     'hand text to the logger as logger(..., "%s", text), or double each %: hosts treat the message as a printf format',
@@ -128,14 +132,14 @@ def percent(bench: Bench) -> Iterator[str]:
             instance.free()
 
 
-def _until_refused(bench: Bench, instance: host.Instance, variable: Variable) -> int:
+def _until_refused(bench: Bench, instance: host.Instance, variable: ScalarVariable) -> int:
     """Set the text and take the first step; stops at the first refusal, since no other call may follow it."""
-    start = bench.plan.start
+    start = bench.experiment.start
     calls: tuple[Callable[[], int], ...] = (
         lambda: instance.set("String", [variable.vr], [_FORMAT]),
         lambda: instance.setup(start),
         lambda: instance.call("EnterInitializationMode"),
         lambda: instance.call("ExitInitializationMode"),
-        lambda: instance.step(start, bench.plan.step),
+        lambda: instance.step(start, bench.experiment.step),
     )
     return next((status for call in calls if (status := call()) > host.WARNING), host.OK)

@@ -11,7 +11,7 @@ TYPES = ("Real", "Integer", "Boolean", "String", "Enumeration")
 
 
 @dataclass(frozen=True, slots=True)
-class Variable:
+class ScalarVariable:
     """One ScalarVariable. `index` counts from 1, `vr` is the value reference.
 
     `initial` is the default of the table in section 2.2.7 if not given, "" if there is none; `min`, `max`, `nominal`,
@@ -36,12 +36,17 @@ class Variable:
     given: frozenset[str] = frozenset()
 
     @property
+    def fmi_type(self) -> str:
+        """The type whose get and set functions serve the variable."""
+        return "Integer" if self.type == "Enumeration" else self.type
+
+    @property
     def settable_before_start(self) -> bool:
         """Whether fmi2SetXXX may be called on it after instantiation (section 2.2.7)."""
         return self.variability != "constant" and (self.initial in ("exact", "approx") or self.causality == "input")
 
 
-def read_variables(root: Any) -> tuple[Variable, ...]:
+def read_variables(root: Any) -> tuple[ScalarVariable, ...]:
     """All variables of a description that follows the schema."""
     types = {kind.get("name"): dict(kind[0].attrib) for kind in root.iterfind("TypeDefinitions/SimpleType")}
     return tuple(_variable(i, element, types) for i, element in enumerate(root.iterfind("ModelVariables/*"), start=1))
@@ -54,14 +59,14 @@ def default_initial(causality: str, variability: str) -> str:
     return "exact" if causality == "parameter" or variability == "constant" else "calculated"
 
 
-def _variable(index: int, element: Any, types: Mapping[str, Mapping[str, str]]) -> Variable:
+def _variable(index: int, element: Any, types: Mapping[str, Mapping[str, str]]) -> ScalarVariable:
     typed = next(child for child in element if child.tag in TYPES)
     declared = typed.get("declaredType")
     values = {**types.get(declared, {}), **typed.attrib}
     causality, variability = element.get("causality", "local"), element.get("variability", "continuous")
     type_ = str(typed.tag)
     number = float if type_ == "Real" else int
-    return Variable(
+    return ScalarVariable(
         index=index,
         name=element.get("name"),
         vr=int(element.get("valueReference")),

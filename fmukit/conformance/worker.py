@@ -1,7 +1,7 @@
 """The process the rules of a running FMU are applied in: one line of JSON per event on the standard output.
 
-Arguments: the FMU file, the folder it is unpacked in, the number of the first rule, then pairs of other FMUs. Before a
-rule it says {"begin": number}, after it {"number": ..., "status": ..., "seen": [...]}.
+Arguments: the FMU file, the folder it is unpacked in, the id of the first rule, then pairs of other FMUs. Before a rule
+it says {"begin": id}, after it {"rule": id, "status": ..., "seen": [...]}.
 """
 
 from __future__ import annotations
@@ -13,19 +13,19 @@ from pathlib import Path
 from typing import IO
 
 from fmukit.conformance.bench import Bench
-from fmukit.conformance.groups import RULES
 from fmukit.conformance.package import Package
 from fmukit.conformance.rule import look
+from fmukit.conformance.rulebook import RUNNING
 
 
 def work(bench: Bench, begin: str, answer_to: IO[str]) -> None:
     """Apply all rules from `begin` on."""
-    numbers = [rule.number for rule in RULES]
-    for rule in RULES[numbers.index(begin) :]:
-        _say(answer_to, {"begin": rule.number})
+    ids = [rule.id for rule in RUNNING]
+    for rule in RUNNING[ids.index(begin) :]:
+        _say(answer_to, {"begin": rule.id})
         finding = look(rule, bench)
         seen = [sentence.removeprefix("CallFailed: ") for sentence in finding.seen]
-        _say(answer_to, {"number": rule.number, "status": finding.status, "seen": seen})
+        _say(answer_to, {"rule": rule.id, "status": finding.status, "seen": seen})
 
 
 def _say(answer_to: IO[str], event: dict[str, object]) -> None:

@@ -1,1 +1,1 @@
-"""What a host that is not Python needs to run the FMUs."""
+"""Running FMUs in a host that is not Python: the environment it needs, and whether this machine has all of it."""

@@ -19,11 +19,12 @@ from fmukit.component import Component
 from fmukit.errors import BuildError
 from fmukit.interface import Interface, Variable
 from fmukit.kernel import Kernel
-from fmukit.packaging import about, archive, crosscheck, python_module, xml
+from fmukit.packaging import about, crosscheck, python_fmu, python_module, xml
 from fmukit.packaging.codegen import Code, generate
 from fmukit.packaging.dependencies import initial_dependencies
 from fmukit.packaging.documentation import documents
 from fmukit.packaging.recording import recorded
+from fmukit.packing import pack
 from fmukit.python_kernel import PythonKernel, packages
 
 _INIT = '''"""Made by fmukit: the slave class of this FMU."""
@@ -53,7 +54,7 @@ def build(
     made = crosscheck.bundle(interface.name, recording, packages(kernel)) if bundle and recording else {}
     solvers = isinstance(kernel, Kernel) and bool(kernel.solvers)
     members = _model(interface, kernel, targets) | documents(component, recording, packages(kernel), solvers=solvers)
-    made[f"{interface.name}.fmu"] = archive.pack(members)
+    made[f"{interface.name}.fmu"] = pack(members)
     for name, data in made.items():
         files.write(Path(directory) / name, data)
     return Path(directory) / f"{interface.name}.fmu"
@@ -78,7 +79,7 @@ def _model(interface: Interface, kernel: Kernel | PythonKernel, targets: tuple[s
     package = f"fmu_{digest.hex()[:16]}"
     script = f"{interface.name.lower()}_{digest.hex()[:16]}"
     text = f"from {package} import {interface.name}, keep\nkeep(globals())\n"
-    members = archive.only_platforms(archive.python_fmu(script, text, package, files), targets)
+    members = python_fmu.only_platforms(python_fmu.built(script, text, package, files), targets)
     guid = f"{{{UUID(bytes=digest[:16])}}}"
     members["modelDescription.xml"] = xml.describe(interface, guid, about.about(), dependencies)
     return members
@@ -117,15 +118,22 @@ def _description(interface: Interface, code: Code, program: dict[str, object] | 
         "states": code.states,
         "table": table and dataclasses.asdict(table),
         "program": program,
-        "advice": [[advice.output, advice.text] for advice in interface.advice],
+        "advice": [dataclasses.asdict(advice) for advice in interface.advice],
         "variables": [_entry(variable) for variable in interface.variables],
     }
 
 
-def _entry(variable: Variable) -> list[object]:
-    start = variable.start if variable.type == "String" else float(variable.start)
-    limits = (variable.minimum, variable.maximum)
-    return [variable.name, variable.type, variable.causality, start, *limits, variable.unit]
+def _entry(variable: Variable) -> dict[str, object]:
+    """What the runtime needs of a variable; its value reference is its place in the list."""
+    return {
+        "name": variable.name,
+        "type": variable.type,
+        "causality": variable.causality,
+        "start": variable.start if variable.type == "String" else float(variable.start),
+        "minimum": variable.minimum,
+        "maximum": variable.maximum,
+        "unit": variable.unit,
+    }
 
 
 def _digest(files: Mapping[str, bytes]) -> bytes:

@@ -42,8 +42,7 @@ def files(kernel: PythonKernel, platforms: Sequence[str]) -> tuple[dict[str, byt
     for platform in platforms:
         libraries = [functions.library(library, name, platform) for name, library in kernel.libraries.items()]
         made |= {path.name: path.read_bytes() for path in libraries}
-    packages = list(kernel.packages.items())
-    return made, {"modules": names, "libraries": list(kernel.libraries), "packages": packages}
+    return made, {"modules": names, "libraries": list(kernel.libraries), "packages": dict(kernel.packages)}
 
 
 def _file(name: str) -> Path:

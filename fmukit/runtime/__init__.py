@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from .description import Description
-from .slave import Slave
+from .slave import EmbeddedSlave
 
 _KEPT: list[dict[str, Any]] = []
 
@@ -21,7 +21,7 @@ def keep(script_globals: dict[str, Any]) -> None:
     _KEPT.append(script_globals)
 
 
-def slave_class(folder: Path) -> type[Slave]:
+def slave_class(folder: Path) -> type[EmbeddedSlave]:
     """The slave class of the FMU whose interface lies in `folder`."""
     description = Description.read(folder / "interface.json")
-    return type(description.name, (Slave,), {"description_": description, "package": folder.name})
+    return type(description.name, (EmbeddedSlave,), {"description_": description, "package": folder.name})

@@ -8,16 +8,17 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 LARGEST = 1.7976931348623157e308
+Entry = Mapping[str, Any]
 
 
 @dataclass(frozen=True, slots=True)
-class Port:
+class Scalar:
     """One variable: its limits are finite, so that a comparison with them also refuses NaN and infinity."""
 
     name: str
@@ -53,7 +54,7 @@ class Program:
 
 
 @dataclass(frozen=True, slots=True)
-class Advice:
+class Remark:
     """A sentence for the user when the output at `slot` is above 0.5 after initialisation.
 
     `values` are pairs of a placeholder in the text and the slot of the parameter that takes its place.
@@ -63,7 +64,7 @@ class Advice:
     text: str
     values: tuple[tuple[str, int], ...]
 
-    def given(self, buffer: Sequence[float]) -> str:
+    def made(self, buffer: Sequence[float]) -> str:
         """The sentence with the values in `buffer`; empty where it does not apply."""
         if not buffer[self.slot] > 0.5:
             return ""
@@ -85,54 +86,64 @@ class Description:
     continuous: bool
     step: float
     max_substep: float
-    ports: tuple[Port, ...]
+    scalars: tuple[Scalar, ...]
     size: int
     period_slot: int
     seed_slot: int
     table: TableFile | None
     program: Program | None
-    advice: tuple[Advice, ...]
+    remarks: tuple[Remark, ...]
 
     @property
     def fault(self) -> int:
         """Slot of the output `fault`."""
-        return len(self.ports) - 1
+        return len(self.scalars) - 1
 
     @staticmethod
     def read(path: Path) -> Description:
         """The description in the `interface.json` at `path`."""
         raw = json.loads(path.read_text("utf-8"))
-        ports = tuple(_port(entry) for entry in raw["variables"])
-        slots = {port.name: slot for slot, port in enumerate(ports)}
-        table, program = raw["table"], raw["program"]
+        scalars = tuple(map(_scalar, raw["variables"]))
+        slots = {scalar.name: slot for slot, scalar in enumerate(scalars)}
         return Description(
             name=raw["name"],
             hash=path.parent.name,
             continuous=raw["kind"] == "continuous",
             step=raw["step"],
             max_substep=LARGEST if raw["max_substep"] is None else raw["max_substep"],
-            ports=ports,
-            size=len(ports) + raw["derived"] + raw["states"],
+            scalars=scalars,
+            size=len(scalars) + raw["derived"] + raw["states"],
             period_slot=slots.get("sample_period", -1),
             seed_slot=slots.get("seed", -1),
-            table=table
-            and TableFile(slots[table["parameter"]], tuple(table["columns"]), table["rows"], table["increasing"]),
-            program=program and _program(program, raw["derived"]),
-            advice=tuple(_advice(text, slots[output], slots) for output, text in raw["advice"]),
+            table=_table(raw["table"], slots) if raw["table"] else None,
+            program=_program(raw["program"], raw["derived"]) if raw["program"] else None,
+            remarks=tuple(_remark(entry, slots) for entry in raw["advice"]),
         )
 
 
-def _port(entry: list[Any]) -> Port:
-    name, type_, causality, start, low, high, unit = entry
-    low, high = -LARGEST if low is None else low, LARGEST if high is None else high
-    return Port(name, type_, causality, start, low, high, unit)
+def _scalar(entry: Entry) -> Scalar:
+    low, high = entry["minimum"], entry["maximum"]
+    return Scalar(
+        name=entry["name"],
+        type=entry["type"],
+        causality=entry["causality"],
+        start=entry["start"],
+        low=-LARGEST if low is None else low,
+        high=LARGEST if high is None else high,
+        unit=entry["unit"],
+    )
 
 
-def _advice(text: str, slot: int, slots: dict[str, int]) -> Advice:
+def _table(entry: Entry, slots: Mapping[str, int]) -> TableFile:
+    return TableFile(slots[entry["parameter"]], tuple(entry["columns"]), entry["rows"], entry["increasing"])
+
+
+def _remark(entry: Entry, slots: Mapping[str, int]) -> Remark:
+    text = entry["text"]
     names = re.findall(r"\{([^{}]*)}", text)
-    return Advice(slot, text, tuple((f"{{{name}}}", slots[name]) for name in names))
+    return Remark(slots[entry["output"]], text, tuple((f"{{{name}}}", slots[name]) for name in names))
 
 
-def _program(entry: dict[str, Any], derived: int) -> Program:
-    packages = tuple((name, least) for name, least in entry["packages"])
+def _program(entry: Entry, derived: int) -> Program:
+    packages = tuple(entry["packages"].items())
     return Program(tuple(entry["modules"]), tuple(entry["libraries"]), packages, derived)

@@ -6,6 +6,7 @@ import _ctypes
 import ctypes
 import sys
 import threading
+import weakref
 from pathlib import Path
 
 from .shared import Shared
@@ -24,21 +25,18 @@ class LibraryError(Exception):
     """The kernel library cannot be used; the message is a sentence for the user."""
 
 
-def load(path: Path, size: int) -> ctypes.PyDLL:
-    """One more user of the library at `path`, whose buffers must have `size` doubles.
+def load(path: Path, size: int, user: object) -> ctypes.PyDLL:
+    """The library at `path` for one more user, whose buffer has `size` doubles; let go when the user is no more.
 
-    PyDLL keeps the GIL: the kernel's scratch memory is static and shared by all instances of the process.
+    The last user's end unloads the library, so that its file can be deleted. PyDLL keeps the GIL: the kernel's scratch
+    memory is static and shared by all instances of the process.
     """
     library: ctypes.PyDLL = _loaded.take(str(path), lambda: _open(path))
     if library.fmukit_size() != size:
-        release(path)
+        _loaded.give_back(str(path))
         raise LibraryError(f"{path.name} does not belong to this FMU; unpack the FMU again")
+    weakref.finalize(user, _loaded.give_back, str(path)).atexit = False
     return library
-
-
-def release(path: Path) -> None:
-    """One user less; the last one unloads the library, so that its file can be deleted."""
-    _loaded.give_back(str(path))
 
 
 def _unload(library: ctypes.PyDLL) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 import sys
 import threading
+import weakref
 from array import array
 from collections.abc import Mapping, Sequence
 from importlib import import_module
@@ -15,7 +16,7 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from .description import Description, Port, Program
+from .description import Description, Program, Scalar
 from .shared import Shared
 
 SAID = -3
@@ -30,15 +31,14 @@ class ScriptError(Exception):
     """The module cannot be used; the message is a sentence for the user."""
 
 
-def load(program: Program, folder: Path) -> tuple[Any, Any]:
-    """The module of the FMU whose package lies in `folder`, and what it prepared; one more user of them."""
+def _load(program: Program, folder: Path, user: object) -> tuple[Any, Any]:
+    """The module of the FMU whose package lies in `folder`, and what it prepared, for one more user.
+
+    With the end of the last user the compiled libraries are let go, so that their files can be deleted.
+    """
     found: tuple[Any, Any] = _loaded.take(str(folder), lambda: _prepared(program, folder))
+    weakref.finalize(user, _loaded.give_back, str(folder)).atexit = False
     return found
-
-
-def release(folder: Path) -> None:
-    """One user less; with the last one the compiled libraries are let go, so that their files can be deleted."""
-    _loaded.give_back(str(folder))
 
 
 def _prepared(program: Program, folder: Path) -> tuple[Any, Any]:
@@ -95,14 +95,14 @@ class Script:
 
     def __init__(self, about: Description, buffer: array[float], strings: Mapping[int, str], folder: Path) -> None:
         assert about.program is not None
-        self._module, self._tools = load(about.program, folder)
+        self._module, self._tools = _load(about.program, folder, self)
         self._buffer, self._strings = buffer, strings
         self._parameters = _slots(about, "parameter")
         self._inputs = _slots(about, "input")
-        self._outputs = [port.name for slot, port in _slots(about, "output") if slot != about.fault]
+        self._outputs = [scalar.name for slot, scalar in _slots(about, "output") if slot != about.fault]
         self._names = frozenset(self._outputs)
         self._y = slice(about.fault - len(self._outputs), about.fault)
-        self._d = slice(len(about.ports), len(about.ports) + about.program.derived)
+        self._d = slice(len(about.scalars), len(about.scalars) + about.program.derived)
         self._x = slice(self._d.stop, about.size)
         self._columns = len(about.table.columns) if about.table else 0
         self.said = ""
@@ -133,17 +133,17 @@ class Script:
         return SAID
 
     def _p(self) -> dict[str, float | bool | int | str]:
-        return {port.name: self._value(slot, port) for slot, port in self._parameters}
+        return {scalar.name: self._value(slot, scalar) for slot, scalar in self._parameters}
 
     def _u(self) -> dict[str, float]:
-        return {port.name: self._buffer[slot] for slot, port in self._inputs}
+        return {scalar.name: self._buffer[slot] for slot, scalar in self._inputs}
 
-    def _value(self, slot: int, port: Port) -> float | bool | int | str:
-        if port.type == "Real":
+    def _value(self, slot: int, scalar: Scalar) -> float | bool | int | str:
+        if scalar.type == "Real":
             return self._buffer[slot]
-        if port.type == "String":
+        if scalar.type == "String":
             return self._strings[slot]
-        return self._buffer[slot] != 0.0 if port.type == "Boolean" else int(self._buffer[slot])
+        return self._buffer[slot] != 0.0 if scalar.type == "Boolean" else int(self._buffer[slot])
 
     def _take(self, y: Mapping[str, float], x: Sequence[float], d: Sequence[float] | None = None) -> int:
         """Take the results over into the buffer when all are there and finite."""
@@ -162,5 +162,5 @@ class Script:
         return 0
 
 
-def _slots(about: Description, causality: str) -> list[tuple[int, Port]]:
-    return [(slot, port) for slot, port in enumerate(about.ports) if port.causality == causality]
+def _slots(about: Description, causality: str) -> list[tuple[int, Scalar]]:
+    return [(slot, scalar) for slot, scalar in enumerate(about.scalars) if scalar.causality == causality]

@@ -1,26 +1,43 @@
-"""The FMI callbacks of one instance: life cycle, step and state; `values` has those that get and set.
+"""The FMI callbacks of one instance: life cycle, step, values and state.
 
 Nothing ever raises across the FMI boundary: PythonFMU would turn it into a fatal error and damage its reference
-counts. See `instance` for what happens instead.
+counts. See `core` for what happens instead.
 """
 
 from __future__ import annotations
 
-from array import array
-from typing import Any
+import sys
+from pathlib import Path
+from typing import Any, ClassVar
 
-from . import state
-from .instance import INITIALISING, INSTANTIATED, STEPPING, TERMINATED
-from .ports import RefusalError
+from pythonfmu import Fmi2Slave
+
+from .access import RefusalError
+from .core import Core
+from .description import Description
+from .leaving import release_interpreter_once
+from .life import INITIALISING, INSTANTIATED, MODES, STEPPING, TERMINATED
+from .state import Refused, Snapshot, from_bytes, to_bytes
+from .steps import Steps
 from .values import Values
 
-_MODES = ("instantiated", "initialisation", "stepping", "terminated")
-_LONGEST_STEP = 1e9
-_FURTHEST_TIME = 1e12
 
+class EmbeddedSlave(Fmi2Slave):
+    """One instance of an FMU. The class made for an FMU carries its description and the name of its package."""
 
-class Slave(Values):
-    """One instance of an FMU."""
+    description_: ClassVar[Description]
+    package: ClassVar[str]
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__(**kwargs)
+        resources = Path(str(kwargs.get("resources")))
+        self._core = Core(self.description_, resources, self.log_queue)
+        self._values = Values(self._core)
+        self._steps = Steps(self._core)
+        if "logger" in kwargs:
+            _leave_path(str(kwargs.get("resources")))
+            self._core.attach(resources / self.package)
+            release_interpreter_once(resources.parent / "binaries" / "linux64" / f"{self.description_.name}.so")
 
     # life cycle
 
@@ -39,10 +56,10 @@ class Slave(Values):
             return
         self._enter(STEPPING)
         try:
-            self._initialise()
-            self._advise()
+            self._core.initialise()
+            self._core.advise()
         except BaseException as error:
-            self._break(error)
+            self._core.break_down(error)
 
     def terminate(self) -> None:
         """Outputs can still be read; nothing can be set."""
@@ -50,108 +67,109 @@ class Slave(Values):
             self._enter(TERMINATED)
 
     def _expect(self, call: str, mode: int) -> bool:
-        if self._mode != mode:
-            self._refuse(
-                RefusalError(f"{call} is not allowed in the state '{_MODES[self._mode]}'; the call is ignored")
+        present = self._core.life.mode
+        if present != mode:
+            self._core.refuse(
+                RefusalError(f"{call} is not allowed in the state '{MODES[present]}'; the call is ignored")
             )
-        return self._mode == mode
+        return present == mode
+
+    def _enter(self, mode: int) -> None:
+        self._core.life.mode = mode
+        self._values.forget()
 
     # time
 
     def do_step(self, current_time: float, step_size: float) -> bool:
         """One step [s]; False when it was discarded: the outputs stay, `fault` is true and the reason is logged."""
+        return self._steps.take(current_time, step_size)
+
+    # values
+
+    def get_real(self, vrs: list[int]) -> list[float]:
+        """Values at the value references; NaN for all of them when the call is refused."""
         try:
-            if self._mode != STEPPING or self._pending or self._broken or not 0.0 < step_size <= _LONGEST_STEP:
-                return self._discard(step_size)
-            anchored = self._anchored
-            earliest = self._time - self._slack if anchored else -_FURTHEST_TIME
-            if not earliest <= current_time <= _FURTHEST_TIME:
-                return self._discard(step_size, current_time)
-            origin = self._origin if anchored else current_time
-            code = self._motion.step(current_time, step_size, origin)
-            if code:
-                return self._fail(code, current_time)
-            self._origin, self._anchored = origin, True
-            self._time = current_time + step_size
-            self._buffer[self._fault] = 0.0
-            return True
+            return self._values.reals(vrs)
         except BaseException as error:
-            self._refuse(error)
-            self._pending = False
-            return False
+            self._core.refuse(error)
+            return [float("nan")] * len(vrs)
 
-    def _discard(self, step_size: float, time: float | None = None) -> bool:
-        if self._mode != STEPPING:
-            self._refuse(RefusalError(f"doStep is not allowed in the state '{_MODES[self._mode]}'; initialise first"))
-        elif not 0.0 < step_size <= _LONGEST_STEP:
-            self._refuse(RefusalError(f"a step of {step_size} s is not possible; step forward by 0 < h <= 1e9 s"))
-        elif time is not None and not abs(time) <= _FURTHEST_TIME:
-            self._refuse(RefusalError(f"a step from {time} s is not possible; keep the time within +-1e12 s"))
-        elif time is not None:
-            text = f"a step from {time} s is not possible at {self._time} s; restore an FMU state to go back in time"
-            self._refuse(RefusalError(text))
-        self._pending = False
-        return False
+    def set_real(self, vrs: list[int], values: list[float]) -> None:
+        """Store all values, or none when one may not be set or is outside its limits."""
+        try:
+            self._values.set_reals(vrs, values)
+        except BaseException as error:
+            self._core.refuse(error)
 
-    def _fail(self, code: int, time: float) -> bool:
-        """A step the kernel could not compute: the outputs of the last good one stay."""
-        self._refuse(
-            RefusalError(f"the step from {time} s failed: {self._reason(code)}; the last good values are kept")
-        )
-        self._pending = False
-        return False
+    def get_integer(self, vrs: list[int]) -> list[int]:
+        """As `get_real`; zeros when the call is refused."""
+        return self._got(vrs, "Integer", 0)
+
+    def set_integer(self, vrs: list[int], values: list[int]) -> None:
+        """As `set_real`."""
+        self._set(vrs, "Integer", values)
+
+    def get_boolean(self, vrs: list[int]) -> list[bool]:
+        """As `get_real`; False when the call is refused."""
+        return self._got(vrs, "Boolean", False)
+
+    def set_boolean(self, vrs: list[int], values: list[bool]) -> None:
+        """As `set_real`."""
+        self._set(vrs, "Boolean", values)
+
+    def get_string(self, vrs: list[int]) -> list[str]:
+        """As `get_real`; empty texts when the call is refused."""
+        return self._got(vrs, "String", "")
+
+    def set_string(self, vrs: list[int], values: list[str]) -> None:
+        """Store all texts, or none; they are read at initialisation."""
+        self._set(vrs, "String", values)
+
+    def _got(self, vrs: list[int], type_: str, otherwise: Any) -> list[Any]:
+        try:
+            return self._values.get(vrs, type_)
+        except BaseException as error:
+            self._core.refuse(error)
+            return [otherwise] * len(vrs)
+
+    def _set(self, vrs: list[int], type_: str, values: list[Any]) -> None:
+        try:
+            self._values.set(vrs, type_, values)
+        except BaseException as error:
+            self._core.refuse(error)
 
     # state
 
-    def _get_fmu_state(self) -> state.Snapshot:
-        return state.Snapshot(
-            self._buffer.tobytes(),
-            tuple(self._strings.items()),
-            self._mode,
-            self._dirty,
-            self._pending,
-            self._broken,
-            self._anchored,
-            self._motion.index if not self._broken else 0,
-            self._origin,
-            self._time,
-        )
+    def _get_fmu_state(self) -> Snapshot:
+        return self._core.snapshot()
 
     def _set_fmu_state(self, snapshot: Any) -> None:
         try:
-            if not isinstance(snapshot, state.Snapshot) or len(snapshot.buffer) != 8 * self.description_.size:
-                reason = snapshot.reason if isinstance(snapshot, state.Refused) else "it is not a state of this FMU"
+            if not isinstance(snapshot, Snapshot) or len(snapshot.buffer) != 8 * self.description_.size:
+                reason = snapshot.reason if isinstance(snapshot, Refused) else "it is not a state of this FMU"
                 raise RefusalError(f"the FMU state is refused: {reason}; the present state is kept")
-            if not hasattr(self, "_motion"):
-                raise RefusalError(
-                    "an FMU state is of no use to an instance that could not be made; see its first message"
-                )
-            self._restore(snapshot)
+            self._core.restore(snapshot)
+            self._values.forget()
         except BaseException as error:
-            self._refuse(error)
-
-    def _restore(self, snapshot: state.Snapshot) -> None:
-        about, buffer = self.description_, self._buffer
-        buffer[:] = array("d", snapshot.buffer)
-        self._strings.update(snapshot.strings)
-        self._enter(snapshot.mode)
-        self._dirty, self._pending, self._broken = snapshot.dirty, snapshot.pending, snapshot.broken
-        self._anchored, self._origin, self._time = snapshot.anchored, snapshot.origin, snapshot.time
-        seed = int(buffer[about.seed_slot]) if about.seed_slot >= 0 else 0
-        self._motion.start(buffer[about.period_slot], seed)
-        self._motion.index = snapshot.samples
+            self._core.refuse(error)
 
     @classmethod
     def _fmu_state_to_bytes(cls, snapshot: Any) -> bytes:
         """PythonFMU calls this and the next on the class: there is no instance to raise a fault on."""
         try:
-            return state.to_bytes(snapshot, cls.description_)
+            return to_bytes(snapshot, cls.description_)
         except BaseException:
             return b""
 
     @classmethod
-    def _fmu_state_from_bytes(cls, data: bytes) -> state.Snapshot | state.Refused:
+    def _fmu_state_from_bytes(cls, data: bytes) -> Snapshot | Refused:
         try:
-            return state.from_bytes(bytes(data), cls.description_)
+            return from_bytes(bytes(data), cls.description_)
         except BaseException as error:
-            return state.Refused(f"the bytes cannot be read ({type(error).__name__})")
+            return Refused(f"the bytes cannot be read ({type(error).__name__})")
+
+
+def _leave_path(resources: str) -> None:
+    """Remove the entry PythonFMU puts on the module path for every instance and never takes away."""
+    if resources in sys.path:
+        sys.path.remove(resources)

@@ -1,4 +1,8 @@
-"""The complete state of an instance, and its form as bytes. No pickle: bytes from a stranger must not run code."""
+"""The complete state of an instance, and its form as bytes. No pickle: bytes from a stranger must not run code.
+
+The bytes are: a magic word, a digest of the FMU's hash, the fields of `Life`, the lengths of what follows, the buffer,
+the texts as JSON, and a digest of all that.
+"""
 
 from __future__ import annotations
 
@@ -10,29 +14,34 @@ from hashlib import blake2b
 from math import isfinite
 
 from .description import Description
+from .life import MODES, Life
 
 _MAGIC = b"FMUKIT\x00\x01"
-_HEAD = struct.Struct("<8s16sB4?qddQQ")
+_LIFE = {
+    "mode": "B",
+    "dirty": "?",
+    "pending": "?",
+    "broken": "?",
+    "anchored": "?",
+    "samples": "q",
+    "origin": "d",
+    "time": "d",
+}
+"""The fields of a life in the order of the bytes, with their types in the language of `struct`."""
+_HEAD = struct.Struct(f"<8s16s{''.join(_LIFE.values())}QQ")
 _DIGEST = 16
 
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """`buffer` holds all doubles; the rest is what the slave keeps beside it.
+    """A copy of all an instance is: the doubles of its buffer, its texts by slot, and its life.
 
     Not a tuple: PythonFMU would unpack it into several arguments.
     """
 
     buffer: bytes
     strings: tuple[tuple[int, str], ...]
-    mode: int
-    dirty: bool
-    pending: bool
-    broken: bool
-    anchored: bool
-    samples: int
-    origin: float
-    time: float
+    life: Life
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,21 +54,9 @@ class Refused:
 def to_bytes(snapshot: Snapshot, description: Description) -> bytes:
     """The snapshot with the hash of its FMU's package, which alone can read it back."""
     text = json.dumps(snapshot.strings).encode("utf-8")
-    head = _HEAD.pack(
-        _MAGIC,
-        _digest(description.hash.encode()),
-        snapshot.mode,
-        snapshot.dirty,
-        snapshot.pending,
-        snapshot.broken,
-        snapshot.anchored,
-        snapshot.samples,
-        snapshot.origin,
-        snapshot.time,
-        len(snapshot.buffer),
-        len(text),
-    )
-    content = head + snapshot.buffer + text
+    owner = _digest(description.hash.encode())
+    life = (getattr(snapshot.life, name) for name in _LIFE)
+    content = _HEAD.pack(_MAGIC, owner, *life, len(snapshot.buffer), len(text)) + snapshot.buffer + text
     return content + _digest(content)
 
 
@@ -68,21 +65,21 @@ def from_bytes(data: bytes, description: Description) -> Snapshot | Refused:
     if len(data) < _HEAD.size + _DIGEST or data[: len(_MAGIC)] != _MAGIC:
         return Refused("the bytes are not a serialised state of this kind of FMU")
     content, digest = data[:-_DIGEST], data[-_DIGEST:]
-    _, owner, mode, dirty, pending, broken, anchored, samples, origin, time, size, length = _HEAD.unpack_from(data)
+    _, owner, *fields, size, length = _HEAD.unpack_from(data)
     if owner != _digest(description.hash.encode()):
         return Refused("the bytes are a state of another FMU or of another version of this FMU")
     if digest != _digest(content) or size != 8 * description.size or len(content) != _HEAD.size + size + length:
         return Refused("the bytes have been damaged or changed")
-    buffer = content[_HEAD.size : _HEAD.size + size]
-    if (
-        not all(map(isfinite, array("d", buffer)))
-        or not (isfinite(origin) and isfinite(time))
-        or samples < 0
-        or mode > 3
-    ):
+    buffer, life = content[_HEAD.size : _HEAD.size + size], Life(**dict(zip(_LIFE, fields, strict=True)))
+    if not _sound(buffer, life):
         return Refused("the bytes hold numbers that are not finite")
     strings = tuple((int(slot), str(value)) for slot, value in json.loads(content[_HEAD.size + size :]))
-    return Snapshot(buffer, strings, mode, dirty, pending, broken, anchored, samples, origin, time)
+    return Snapshot(buffer, strings, life)
+
+
+def _sound(buffer: bytes, life: Life) -> bool:
+    numbers = (*array("d", buffer), life.origin, life.time)
+    return all(map(isfinite, numbers)) and life.samples >= 0 and life.mode < len(MODES)
 
 
 def _digest(data: bytes) -> bytes:

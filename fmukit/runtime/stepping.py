@@ -9,6 +9,8 @@ import ctypes
 from collections.abc import Callable
 from math import ceil
 
+from .life import Life
+
 TOO_LONG = -2
 _MOST = 10_000_000
 _TOLERANCE = 1e-6
@@ -16,8 +18,6 @@ _TOLERANCE = 1e-6
 
 class Continuous:
     """Integrate in equal substeps no longer than `max_substep` [s]."""
-
-    index = 0
 
     def __init__(self, library: ctypes.PyDLL, address: int, max_substep: float) -> None:
         self._advance = library.fmukit_advance
@@ -28,7 +28,8 @@ class Continuous:
     def start(self, period: float, seed: int) -> None:
         """Nothing to set: a continuous kernel has neither grid nor noise."""
 
-    def step(self, t: float, dt: float, origin: float) -> int:
+    def step(self, life: Life, t: float, dt: float) -> int:
+        """Integrate from `t` over `dt` [s]."""
         if dt != self._duration:
             self._duration, self._count = dt, substeps(dt, self._max_substep)
         count = self._count
@@ -41,9 +42,9 @@ class Continuous:
 class Sampled:
     """Compute sample k at `origin + k period`, at the start of the step that holds this instant.
 
-    The grid is laid on the host's time with a tolerance of 1e-6 period, so neither jitter nor the length of the
-    host's steps changes the samples. Instants in a gap of the host's time (it carried on after a discarded step)
-    are skipped. A step whose samples cannot all be computed computes none.
+    The grid starts with the first step. It is laid on the host's time with a tolerance of 1e-6 period, so neither
+    jitter nor the length of the host's steps changes the samples. Instants in a gap of the host's time (it carried on
+    after a discarded step) are skipped. A step whose samples cannot all be computed computes none.
     """
 
     def __init__(self, sample: Callable[[int, int, int, float], int], address: int, size: int) -> None:
@@ -51,14 +52,15 @@ class Sampled:
         self._address, self._size = address, size
         self._period = 0.0
         self._seed = 0
-        self.index = 0
 
     def start(self, period: float, seed: int) -> None:
-        self._period, self._seed, self.index = period, seed, 0
+        """Sample every `period` [s], with the noise of `seed`."""
+        self._period, self._seed = period, seed
 
-    def step(self, t: float, dt: float, origin: float) -> int:
-        period = self._period
-        index = max(self.index, ceil((t - origin) / period - _TOLERANCE))
+    def step(self, life: Life, t: float, dt: float) -> int:
+        """Compute the samples from `t` until before `t` + `dt` [s], and count them in the life."""
+        period, origin = self._period, life.origin if life.anchored else t
+        index = max(life.samples, ceil((t - origin) / period - _TOLERANCE))
         end = ceil((t + dt - origin) / period - _TOLERANCE)
         if end - index > _MOST:
             return TOO_LONG
@@ -68,7 +70,7 @@ class Sampled:
         elif end > index:
             code = self._sample(self._address, self._seed, end, index * period)
         if not code:
-            self.index = max(self.index, end)
+            life.samples = max(life.samples, end)
         return code
 
     def _several(self, index: int, end: int) -> int:

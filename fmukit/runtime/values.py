@@ -2,108 +2,92 @@
 
 from __future__ import annotations
 
-from pythonfmu.enums import Fmi2Status
+from collections.abc import Callable
+from typing import Any
 
-from .instance import INITIALISING, PLAIN, STEPPING, TERMINATED, Instance
-from .ports import Plan, RefusalError, check_settable, complaint, plan
+from .access import Access, RefusalError, access_to, check_settable, complaint
+from .core import PLAIN, Core
+from .life import INITIALISING, STEPPING, TERMINATED
+
+_FROM_DOUBLE: dict[str, Callable[[float], Any]] = {"Real": float, "Integer": int, "Boolean": bool}
 
 
-class Values(Instance):
-    """The get and set callbacks of an instance."""
+class Values:
+    """Access to the variables of an instance by lists of value references; raises what the caller has to refuse.
 
-    def get_real(self, vrs: list[int]) -> list[float]:
-        """Values at the value references; NaN for all of them when the call is refused."""
-        try:
-            if vrs == self._get_vrs:
-                return self._get_plan.read(self._buffer)
-            return self._gettable(vrs, "Real").read(self._buffer)
-        except BaseException as error:
-            self._refuse(error)
-            return [float("nan")] * len(vrs)
+    The last lists of Real variables are remembered where nothing has to be checked or computed for them: for getting
+    outside the initialisation, for setting while stepping. `forget` them when the mode changes.
+    """
 
-    def set_real(self, vrs: list[int], values: list[float]) -> None:
-        """Store all values, or none when one may not be set or is outside its limits."""
-        try:
-            self._write(self._set_plan if vrs == self._set_vrs else self._settable(vrs, "Real"), values)
-        except BaseException as error:
-            self._refuse(error)
+    _getting: Access
+    _setting: Access
 
-    def get_integer(self, vrs: list[int]) -> list[int]:
-        """As `get_real`; zeros when the call is refused."""
-        try:
-            return [int(value) for value in self._gettable(vrs, "Integer").read(self._buffer)]
-        except BaseException as error:
-            self._refuse(error)
-            return [0] * len(vrs)
+    def __init__(self, core: Core) -> None:
+        self._core = core
+        self._buffer = core.buffer
+        self.forget()
 
-    def set_integer(self, vrs: list[int], values: list[int]) -> None:
-        """As `set_real`."""
-        try:
-            self._write(self._settable(vrs, "Integer"), [float(value) for value in values])
-        except BaseException as error:
-            self._refuse(error)
+    def forget(self) -> None:
+        """Look at the next lists anew."""
+        self._get_vrs: list[int] | None = None
+        self._set_vrs: list[int] | None = None
 
-    def get_boolean(self, vrs: list[int]) -> list[bool]:
-        """As `get_real`; False when the call is refused."""
-        try:
-            return [value != 0.0 for value in self._gettable(vrs, "Boolean").read(self._buffer)]
-        except BaseException as error:
-            self._refuse(error)
-            return [False] * len(vrs)
+    def reals(self, vrs: list[int]) -> list[float]:
+        """The values of Real variables."""
+        access = self._getting if vrs == self._get_vrs else self._gettable(vrs, "Real")
+        where = access.where
+        return access.read(self._buffer) if where is None else self._buffer[where].tolist()
 
-    def set_boolean(self, vrs: list[int], values: list[bool]) -> None:
-        """As `set_real`."""
-        try:
-            self._write(self._settable(vrs, "Boolean"), [1.0 if value else 0.0 for value in values])
-        except BaseException as error:
-            self._refuse(error)
+    def set_reals(self, vrs: list[int], values: list[float]) -> None:
+        """Store the values of Real variables, or none when one may not be set or is outside its limits."""
+        self._store(self._setting if vrs == self._set_vrs else self._settable(vrs, "Real"), values)
 
-    def get_string(self, vrs: list[int]) -> list[str]:
-        """As `get_real`; empty texts when the call is refused."""
-        try:
-            return [self._strings[slot] for slot in self._gettable(vrs, "String").slots]
-        except BaseException as error:
-            self._refuse(error)
-            return [""] * len(vrs)
+    def get(self, vrs: list[int], type_: str) -> list[Any]:
+        """The values of variables of any type."""
+        access = self._gettable(vrs, type_)
+        if type_ == "String":
+            return [self._core.strings[slot] for slot in access.slots]
+        return list(map(_FROM_DOUBLE[type_], access.read(self._buffer)))
 
-    def set_string(self, vrs: list[int], values: list[str]) -> None:
-        """Store all texts; they are read at initialisation."""
-        try:
-            slots = self._settable(vrs, "String").slots
-            if not all(isinstance(value, str) for value in values):
-                raise RefusalError("a null pointer is not a text and cannot be set; the old texts are kept")
-            self._strings.update(zip(slots, values, strict=True))
-        except BaseException as error:
-            self._refuse(error)
+    def set(self, vrs: list[int], type_: str, values: list[Any]) -> None:
+        """Store the values of variables of any type, all or none; texts are read at initialisation."""
+        access = self._settable(vrs, type_)
+        if type_ != "String":
+            self._store(access, [float(bool(value) if type_ == "Boolean" else value) for value in values])
+        elif all(isinstance(value, str) for value in values):
+            self._core.strings.update(zip(access.slots, values, strict=True))
+        else:
+            raise RefusalError("a null pointer is not a text and cannot be set; the old texts are kept")
 
-    def _gettable(self, vrs: list[int], type_: str) -> Plan:
-        made = plan(self.description_, vrs, type_)
-        if self._mode == INITIALISING:
+    def _gettable(self, vrs: list[int], type_: str) -> Access:
+        access = access_to(self._core.about, vrs, type_)
+        if self._core.life.mode == INITIALISING:
             self._preview()
         elif type_ == "Real":
-            self._get_vrs, self._get_plan = list(vrs), made
-        return made
+            self._get_vrs, self._getting = list(vrs), access
+        return access
 
     def _preview(self) -> None:
         """Outputs read during initialisation belong to the parameters and inputs set so far."""
         try:
-            self._initialise()
+            self._core.initialise()
         except PLAIN as error:
-            self._tell(str(error), Fmi2Status.warning)
+            self._core.warn(str(error))
 
-    def _settable(self, vrs: list[int], type_: str) -> Plan:
-        made = plan(self.description_, vrs, type_)
-        if self._mode == TERMINATED:
+    def _settable(self, vrs: list[int], type_: str) -> Access:
+        life, about = self._core.life, self._core.about
+        access = access_to(about, vrs, type_)
+        if life.mode == TERMINATED:
             raise RefusalError("nothing can be set after terminate; reset the instance first")
-        check_settable(self.description_, made.slots, self._mode == STEPPING)
-        if self._mode != STEPPING:
-            self._dirty = True
+        check_settable(about, access.slots, life.mode == STEPPING)
+        if life.mode != STEPPING:
+            life.dirty = True
         elif type_ == "Real":
-            self._set_vrs, self._set_plan = list(vrs), made
-        return made
+            self._set_vrs, self._setting = list(vrs), access
+        return access
 
-    def _write(self, where: Plan, values: list[float]) -> None:
-        """Store all values of one call, or none when one of them is outside its limits."""
-        misfit = where.store(self._store, self._address, values)
+    def _store(self, access: Access, values: list[float]) -> None:
+        core = self._core
+        misfit = access.store(core.store, core.address, values)
         if misfit:
-            raise RefusalError(complaint(self.description_.ports[where.slots[misfit - 1]], values[misfit - 1]))
+            raise RefusalError(complaint(core.about.scalars[access.slots[misfit - 1]], values[misfit - 1]))

@@ -11,13 +11,12 @@ from pathlib import Path
 
 import pytest
 from malformed import ESCAPE, MALFORMED
-from typer.testing import CliRunner
+from program import fmus
 
 from cosim.engine.loader import Loader
 from cosim.errors import CosimError
 from cosim.model.system import System
 from fmukit.conformance.check import check
-from fmus.cli import app
 
 every_file = pytest.mark.parametrize("what", MALFORMED)
 
@@ -37,9 +36,9 @@ def _around(bad: Path) -> set[Path]:
 
 @every_file
 def test_check_reports_a_failing_rule(what: str, bad: Path) -> None:
-    done = CliRunner().invoke(app, ["check", str(bad), "--json"])
-    assert done.exit_code == 1, done.exception
-    records = json.loads(done.stdout)
+    done = fmus("check", bad, "--json")
+    assert done.status == 1
+    records = json.loads(done.out)
     failed = [record for record in records if record["status"] == "fail"]
     assert 1 <= len(failed) <= 3
     for record in failed:
@@ -76,9 +75,9 @@ def test_laughter_takes_no_memory(bad: Path) -> None:
 
 def test_the_table_does_not_steer_the_terminal(good: Path, tmp_path: Path) -> None:
     ESCAPE(good, tmp_path / "bad.fmu")
-    done = CliRunner().invoke(app, ["check", str(tmp_path / "bad.fmu"), "--groups", "AX"])
-    assert r"\x9b31m" in done.stdout
-    assert "\x9b" not in done.stdout
+    done = fmus("check", tmp_path / "bad.fmu", "--groups", "AX")
+    assert r"\x9b31m" in done.out
+    assert "\x9b" not in done.out
 
 
 @pytest.mark.parametrize("what", ["not a zip"])

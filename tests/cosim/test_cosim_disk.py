@@ -21,7 +21,7 @@ from cosim.results.reading import Facts, load_results
 from cosim.results.summary import Summary
 from cosim.run.request import Request
 from cosim.run.running import execute, run
-from fmukit.archive import ArchiveError, unpack
+from fmukit.unpacking import ArchiveError, unpack
 
 FULL = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 ROOT = Path(__file__).parents[2]
@@ -130,7 +130,8 @@ def test_the_command_says_when_the_picture_cannot_be_drawn(tank, tmp_path, capsy
 
 
 def test_the_last_resort_is_one_sentence(monkeypatch, capsys):
-    monkeypatch.setattr("cosim.command.main.app", fail)
+    monkeypatch.setattr("cosim.command.list.names", fail)
+    monkeypatch.setattr(sys, "argv", ["cosim", "list"])
     with pytest.raises(SystemExit) as end:
         cli.main()
     assert (end.value.code, capsys.readouterr().err) == (1, "cosim: No space left on device\n")

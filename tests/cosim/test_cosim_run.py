@@ -15,7 +15,7 @@ from cosim.model.face import read_face
 from cosim.model.system import System
 from cosim.results.reading import Facts, load_results
 from cosim.run.running import execute
-from fmukit.archive import unpack
+from fmukit.unpacking import unpack
 
 
 def single(folder, step, **options):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import casadi as ca
 
 from fmukit.component import Component
-from fmukit.interface import Table, input_, output, parameter, sampled
+from fmukit.interface import CsvTable, input_, output, parameter, sampled
 from fmukit.kernel import Kernel, Layout, sampled_kernel, stack, symbols
 
 ROWS = 6
@@ -14,7 +14,7 @@ INTERFACE = sampled(
     "First-order filter of a noisy measurement, with a profile from a file",
     step=5e-3,
     noise=3,
-    table=Table("profile_file", ("time", "level"), ROWS),
+    table=CsvTable("profile_file", ("time", "level"), ROWS),
     variables=[
         parameter("time_constant", "s", "time constant of the filter", 0.05, minimum=1e-3),
         parameter("sigma", "m", "standard deviation of the noise", 0.1, minimum=0.0),

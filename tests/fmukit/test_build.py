@@ -138,7 +138,7 @@ def test_cached_fmu_is_reused_and_needs_no_casadi(tmp_path: Path) -> None:
         "from pathlib import Path\n"
         "from fmukit.packaging.cached import cached\n"
         "from fmukit.component import Component\n"
-        "from fmukit.interface import Interface, Variable, Table\n"
+        "from fmukit.interface import Interface, Variable, CsvTable\n"
         "from math import inf\n"
         f"path = cached(Component({demo_spring.INTERFACE!r}, 'demo_spring'), Path({str(tmp_path)!r}))\n"
         "print(json.dumps([str(path), 'casadi' in sys.modules]))\n"
@@ -181,7 +181,7 @@ def test_damaged_fmu_in_the_cache_is_built_anew(tmp_path: Path, damage: Callable
 def test_cache_that_cannot_be_written_is_one_sentence_with_the_remedy(tmp_path: Path) -> None:
     folder = tmp_path / "file" / "cache"
     folder.parent.write_text("in the way")
-    with pytest.raises(BuildError, match=r"cache folder .*file/store.* cannot be written \(.+\); .*XDG_CACHE_HOME"):
+    with pytest.raises(BuildError, match=r"cache folder .*file/cache.* cannot be written \(.+\); .*XDG_CACHE_HOME"):
         cached(demo_spring.COMPONENT, folder)
 
 

@@ -8,10 +8,12 @@ import sys
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
+from fmukit.command_line import Subcommand, loaded, run
+from fmukit.component import Component
 from fmukit.python_kernel import packages
-from fmus import CATALOGUE, cli
+from fmus import CATALOGUE
+from fmus.command.main import APPLICATION
 
 ROOT = Path(__file__).parents[2]
 
@@ -61,13 +63,18 @@ def test_build_makes_the_named_fmu(tmp_path: Path) -> None:
 
 def test_platforms_may_follow_one_another(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     seen = []
-    monkeypatch.setattr(cli, "_build", lambda component, directory, platforms, *_: seen.append((component, platforms)))
-    runner = CliRunner()
+
+    def build(component: Component, _directory: Path, platforms: list[str], *, bundle: bool) -> None:
+        seen.append((component, platforms))
+
+    monkeypatch.setattr("fmukit.packaging.builder.build", build)
     for arguments in (
         ["--platform", "linux64", "win64", "Imu"],
         ["Imu", "--platform", "linux64", "--platform", "win64"],
     ):
-        assert runner.invoke(cli.app, ["build", *arguments, "-d", str(tmp_path)]).exit_code == 0
+        with pytest.raises(SystemExit) as end:
+            run(APPLICATION, ["build", *arguments, "-d", str(tmp_path)])
+        assert end.value.code == 0
     assert [(component.interface.name, platforms) for component, platforms in seen] == [
         ("Imu", ["linux64", "win64"])
     ] * 2
@@ -89,3 +96,23 @@ def test_mistakes_give_one_sentence_and_status_2(arguments: list[str], words: st
     (only,) = done.stderr.splitlines()
     assert only.startswith("fmus: ")
     assert words in only
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["list"], ["check", "--help"], ["lst"]])
+def test_nothing_heavy_is_imported_to_say_what_there_is(arguments: list[str]) -> None:
+    done = subprocess.run(
+        [sys.executable, "-X", "importtime", "-m", "fmus", *arguments],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    imported = {line.rpartition("|")[2].strip().partition(".")[0] for line in done.stderr.splitlines()}
+    assert "fmukit" in imported
+    assert not imported & {"casadi", "numpy", "scipy", "matplotlib", "pyarrow", "fmpy", "osqp", "pydantic"}
+
+
+@pytest.mark.parametrize("subcommand", APPLICATION.subcommands, ids=lambda subcommand: subcommand.name)
+def test_the_line_in_the_table_begins_the_help_of_the_subcommand(subcommand: Subcommand) -> None:
+    own = (loaded(subcommand.function).__doc__ or "").partition("\n")[0]
+    assert own.startswith(subcommand.help.rstrip("."))

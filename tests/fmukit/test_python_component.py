@@ -190,5 +190,5 @@ def test_it_obeys_the_reading_rules(file: Path) -> None:
 
 def test_it_obeys_the_running_rules(file: Path) -> None:
     findings = run_groups(file)
-    assert [(f.rule.number, f.rule.title, f.seen) for f in findings if f.status == "fail"] == []
+    assert [(f.rule.id, f.rule.title, f.seen) for f in findings if f.status == "fail"] == []
     assert sum(finding.status == "pass" for finding in findings) >= 33

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from fmukit.hosting import environment as hosting
+from fmukit.hosting.requirements import requirements
 
 ROOT = Path(__file__).parents[2]
 
@@ -59,12 +60,12 @@ def test_mistakes_are_one_sentence(arguments, words):
 
 
 def test_without_a_library_the_user_is_warned(monkeypatch):
-    monkeypatch.setattr(hosting, "_library_places", lambda: [Path("/nowhere/libpython.so")])
+    monkeypatch.setattr(hosting, "library_places", lambda: [Path("/nowhere/libpython.so")])
     assert hosting.libpython() is None
     assert "LD_PRELOAD" not in hosting.environment({"PATH": "/usr/bin"})
-    finding = next(finding for finding in hosting.findings() if finding.thing == "libpython")
-    assert not finding.there
-    assert "apt install libpython" in finding.remedy
+    library = next(requirement for requirement in requirements() if requirement.thing == "libpython")
+    assert not library.there
+    assert "apt install libpython" in library.remedy
 
 
 def test_the_doctor_is_content_here():
@@ -90,7 +91,7 @@ def test_the_doctor_names_what_is_missing_and_the_remedy(variables, remedy):
 
 
 def test_other_machines_are_named(monkeypatch):
-    monkeypatch.setattr(hosting.platform, "machine", lambda: "aarch64")
-    finding = next(hosting.findings())
-    assert (finding.thing, finding.there) == ("platform", False)
-    assert "aarch64" in finding.seen
+    monkeypatch.setattr("platform.machine", lambda: "aarch64")
+    first = next(requirements())
+    assert (first.thing, first.there) == ("platform", False)
+    assert "aarch64" in first.seen

@@ -90,9 +90,10 @@ class Life:
     def agree(self) -> None:
         """The instance is what the twin says."""
         image, twin, buffer = self.image, self.twin, array("d", self.image.buffer)
-        assert (image.mode, image.pending, image.broken) == (twin.mode, twin.pending, twin.broken)
+        life = image.life
+        assert (life.mode, life.pending, life.broken) == (twin.mode, twin.pending, twin.broken)
         assert buffer[self.subject.description.fault] == float(twin.fault)
-        assert (image.time if image.anchored else None) == twin.time
+        assert (life.time if life.anchored else None) == twin.time
         strings = dict(image.strings)
         for vr, value in twin.values.items():
             assert (strings[vr] if isinstance(value, str) else buffer[vr]) == value
@@ -104,7 +105,8 @@ class Life:
     def _unmarked(self, snapshot: Snapshot) -> Snapshot:
         buffer = array("d", snapshot.buffer)
         buffer[self.subject.description.fault] = 0.0
-        return replace(snapshot, buffer=buffer.tobytes(), pending=False, broken=False, dirty=False)
+        life = replace(snapshot.life, pending=False, broken=False, dirty=False)
+        return replace(snapshot, buffer=buffer.tobytes(), life=life)
 
     # what is done
 
@@ -151,7 +153,7 @@ class Life:
         assert call() == OK
         self.image = self.look()
         self.twin = replace(self.twin, mode=STEPPING)
-        if self.image.broken:
+        if self.image.life.broken:
             assert self.twin.values != self.subject.fresh, f"start values do not work: {self.instance.messages}"
             assert _says(self.instance, "initialisation failed", "table "), self.instance.messages
             self.twin = replace(self.twin.refused(), broken=True)
@@ -201,7 +203,7 @@ class Life:
             before, outputs = self.image, self._unset(vrs)
             self.make(text, call, replace(self.twin, values=then))
             assert self._unset(vrs) == outputs, f"{text}: something else changed"
-            assert before.time == self.image.time
+            assert before.life.time == self.image.life.time
         else:
             self.refuse(text, call)
 
@@ -212,7 +214,7 @@ class Life:
         return buffer
 
     def _settable(self, type_: str, vrs: list[int], taken: list[object]) -> bool:
-        about, mode = self.subject.description.ports, self.twin.mode
+        about, mode = self.subject.description.scalars, self.twin.mode
         if mode == TERMINATED or not all(vr < len(about) and about[vr].type == type_ for vr in vrs):
             return False
         ports = [about[vr] for vr in vrs]
@@ -223,7 +225,7 @@ class Life:
         return all(v is not None and (isinstance(v, str) or port.low <= v <= port.high) for port, v in pairs)
 
     def get(self, type_: str, vrs: list[int]) -> None:
-        about, text, got = self.subject.description.ports, f"get{type_} {vrs}", []
+        about, text, got = self.subject.description.scalars, f"get{type_} {vrs}", []
 
         def call() -> int:
             status, values = self.instance.get(type_, vrs)

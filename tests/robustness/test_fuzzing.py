@@ -72,8 +72,8 @@ def test_twenty_thousand_sequences_over_the_catalogue(unzipped: dict[str, Path],
 def test_a_crash_is_reported_with_its_calls(tmp_path: Path, unzipped: dict[str, Path]) -> None:
     """The fuzzer itself: an FMU whose step kills the process is found out, with the call that did it."""
     folder = tmp_path / "Imu"
-    step = "        try:\n            if self._mode != STEPPING"
-    copy_with(folder, unzipped["Imu"], "slave.py", step, "        __import__('os').abort()")
+    step = "        try:\n            if life.mode != STEPPING"
+    copy_with(folder, unzipped["Imu"], "steps.py", step, "        __import__('os').abort()")
     with pytest.raises(pytest.fail.Exception, match=r"died of signal 6 in\n(.*\n)*.*doStep"):
         fuzz(folder, 50, 1)
 
@@ -81,7 +81,7 @@ def test_a_crash_is_reported_with_its_calls(tmp_path: Path, unzipped: dict[str, 
 def test_a_refused_call_with_an_effect_is_found(tmp_path: Path, unzipped: dict[str, Path]) -> None:
     """The fuzzer itself: a slave that stores a value before it checks it is found out."""
     folder = tmp_path / "Imu"
-    early = "        for slot, value in zip(where.slots, values): self._buffer[slot] = value"
-    copy_with(folder, unzipped["Imu"], "values.py", "        misfit = where", early)
+    early = "        for slot, value in zip(access.slots, values): self._buffer[slot] = value"
+    copy_with(folder, unzipped["Imu"], "values.py", "        misfit = access", early)
     with pytest.raises(AssertionError, match="set_anything"):
         fuzz(folder, 50, 1)

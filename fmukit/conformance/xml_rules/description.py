@@ -8,9 +8,11 @@ from collections.abc import Iterator
 from datetime import UTC, datetime
 
 from fmukit.conformance.package import DESCRIPTION, Package
-from fmukit.conformance.rule import NotApplicable
-from fmukit.conformance.xml_rules.group import XML, repeated, rule
+from fmukit.conformance.rule import NotApplicable, Rules
+from fmukit.conformance.xml_rules.group import reliable, repeated
 
+DOCUMENT: Rules[Package] = Rules()
+RULES: Rules[Package] = Rules(reliable)
 _ENCODING = re.compile(rb"""<\?xml[^>]*encoding\s*=\s*["']([^"']*)["']""")
 _DATE = re.compile(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ")
 _IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
@@ -20,7 +22,8 @@ _KEYWORDS = re.compile(
 )
 
 
-@XML.add(
+@DOCUMENT.add(
+    "X1",
     f"{DESCRIPTION} is XML without document type or entities",
     "2.2",
     "Correct the place named; take out <!DOCTYPE> and <!ENTITY>, which can read other files or exhaust the memory.",
@@ -32,7 +35,9 @@ def _well_formed(package: Package) -> Iterator[str]:
         yield package.flaw
 
 
-@XML.add("The description is encoded in UTF-8", "2.2", 'Save the file as UTF-8 and say so: encoding="UTF-8".')
+@DOCUMENT.add(
+    "X2", "The description is encoded in UTF-8", "2.2", 'Save the file as UTF-8 and say so: encoding="UTF-8".'
+)
 def _encoding(package: Package) -> Iterator[str]:
     if package.root is None:
         raise NotApplicable("there is no description")
@@ -41,7 +46,9 @@ def _encoding(package: Package) -> Iterator[str]:
         yield f"the first line declares the encoding {declared[1].decode('ascii', 'replace')}"
 
 
-@XML.add("The FMU is for FMI 2.0", "2.2.1", 'Export for FMI 2.0 (fmiVersion="2.0"); other versions are not checked.')
+@DOCUMENT.add(
+    "X3", "The FMU is for FMI 2.0", "2.2.1", 'Export for FMI 2.0 (fmiVersion="2.0"); other versions are not checked.'
+)
 def _version(package: Package) -> Iterator[str]:
     if package.root is None:
         raise NotApplicable("there is no description")
@@ -51,7 +58,8 @@ def _version(package: Package) -> Iterator[str]:
         yield f"fmiVersion is {package.root.get('fmiVersion')!r}"
 
 
-@XML.add(
+@DOCUMENT.add(
+    "X4",
     "The description follows the XML schema of FMI 2.0",
     "2.2",
     "Correct the element or attribute at the line named; the schema is fmi2ModelDescription.xsd of the standard.",
@@ -62,13 +70,16 @@ def _schema(package: Package) -> Iterator[str]:
     yield from package.schema_errors
 
 
-@rule("The FMU offers co-simulation", "4.3.1", "Export the FMU for co-simulation: add the element CoSimulation.")
+@RULES.add(
+    "X5", "The FMU offers co-simulation", "4.3.1", "Export the FMU for co-simulation: add the element CoSimulation."
+)
 def _cosimulation(package: Package) -> Iterator[str]:
     if package.cosimulation is None:
         yield "there is no element CoSimulation: the FMU is for model exchange only"
 
 
-@rule(
+@RULES.add(
+    "X6",
     "modelIdentifier is a C name",
     "4.3.1",
     "Use letters, digits and _ only, not starting with a digit and no keyword of C; rename the library alike.",
@@ -80,13 +91,14 @@ def _identifier(package: Package) -> Iterator[str]:
             yield f"modelIdentifier of {element.tag} is {name!r}"
 
 
-@rule("The model has a name", "good practice", "Give modelName the name a user knows the model by.")
+@RULES.add("X7", "The model has a name", "good practice", "Give modelName the name a user knows the model by.")
 def _name(package: Package) -> Iterator[str]:
     if not package.root.get("modelName").strip():
         yield f"modelName is {package.root.get('modelName')!r}"
 
 
-@rule(
+@RULES.add(
+    "X8",
     "The GUID is there",
     "2.2.1",
     "Write a string that changes with every export that changes a variable, for example a UUID in braces.",
@@ -97,7 +109,8 @@ def _guid(package: Package) -> Iterator[str]:
         yield f"guid is {guid!r}"
 
 
-@rule(
+@RULES.add(
+    "X9",
     "The generation date is of the form YYYY-MM-DDThh:mm:ssZ",
     "2.2.1",
     "Write the date in UTC with a final Z, for example 2026-01-31T12:00:00Z; an offset such as +00:00 is not allowed.",
@@ -112,7 +125,8 @@ def _date(package: Package) -> Iterator[str]:
         yield f"generationDateAndTime is {date!r}, which is in the future"
 
 
-@rule(
+@RULES.add(
+    "X10",
     "Capability flags agree with each other",
     "4.3.1",
     "Set canGetAndSetFMUstate too, or take canSerializeFMUstate back: a state must be got before it can be serialised.",
@@ -124,7 +138,8 @@ def _flags(package: Package) -> Iterator[str]:
             yield f"{element.tag} has canSerializeFMUstate without canGetAndSetFMUstate"
 
 
-@rule(
+@RULES.add(
+    "X11",
     "Log categories have names of their own",
     "2.2.4",
     "Give every Category another, non-empty name.",
@@ -136,7 +151,8 @@ def _categories(package: Package) -> Iterator[str]:
         yield "a log category has an empty name"
 
 
-@rule(
+@RULES.add(
+    "X12",
     "The default experiment can be run",
     "2.2.5",
     "Make startTime and stopTime finite with start before stop, and stepSize and tolerance positive.",

@@ -7,14 +7,16 @@ from itertools import pairwise
 from typing import Any
 
 from fmukit.conformance.package import Package
-from fmukit.conformance.rule import NotApplicable
-from fmukit.conformance.variable import Variable
-from fmukit.conformance.xml_rules.group import repeated, rule
+from fmukit.conformance.rule import NotApplicable, Rules
+from fmukit.conformance.variable import ScalarVariable
+from fmukit.conformance.xml_rules.group import reliable, repeated
 
+RULES: Rules[Package] = Rules(reliable)
 LISTS = ("Outputs", "Derivatives", "InitialUnknowns")
 
 
-@rule(
+@RULES.add(
+    "X37",
     "ModelStructure names variables that exist, each once per list",
     "2.2.8",
     "index counts the variables from 1 in the order of ModelVariables; keep one Unknown per variable.",
@@ -28,7 +30,8 @@ def _exist(package: Package) -> Iterator[str]:
                 yield f"{place} lists the index {index}, but there are {len(package.variables)} variables"
 
 
-@rule(
+@RULES.add(
+    "X38",
     "Outputs lists exactly the output variables",
     "2.2.8",
     "Add an Unknown with the index of every variable of causality output, and of no other.",
@@ -38,7 +41,8 @@ def _outputs(package: Package) -> Iterator[str]:
     yield from _compare(package, "Outputs", wanted, ("it is an output", "it is no output"))
 
 
-@rule(
+@RULES.add(
+    "X39",
     "Derivatives lists derivatives of states",
     "2.2.8",
     "List only variables that have the attribute derivative.",
@@ -51,7 +55,8 @@ def _derivatives(package: Package) -> Iterator[str]:
             yield f"Derivatives lists {variable.name}, which has no attribute derivative"
 
 
-@rule(
+@RULES.add(
+    "X40",
     "InitialUnknowns lists exactly what is unknown at the start",
     "2.2.8",
     "List every output with initial approx or calculated, every calculatedParameter, and every exposed state and "
@@ -72,7 +77,8 @@ def _initial_unknowns(package: Package) -> Iterator[str]:
     yield from _compare(package, "InitialUnknowns", wanted, ("it is unknown at the start", "it is known at the start"))
 
 
-@rule(
+@RULES.add(
+    "X41",
     "InitialUnknowns is in the order of the variables",
     "2.2.8",
     "Sort the Unknowns of InitialUnknowns by index.",
@@ -84,7 +90,8 @@ def _ordered(package: Package) -> Iterator[str]:
             yield f"the index {after} follows {before}"
 
 
-@rule(
+@RULES.add(
+    "X42",
     "Dependencies name variables that exist, in order",
     "2.2.8",
     "Let dependencies be indices of variables, each once, smallest first.",
@@ -97,7 +104,8 @@ def _dependencies(package: Package) -> Iterator[str]:
             yield f"{where} has the dependencies {' '.join(map(str, indices))}, not each once in order"
 
 
-@rule(
+@RULES.add(
+    "X43",
     "Outputs and derivatives depend on inputs, tunable parameters, states and time only",
     "2.2.8",
     "Take other variables off dependencies; during the run only inputs, tunable parameters, exposed states and the "
@@ -113,7 +121,8 @@ def _knowns(package: Package) -> Iterator[str]:
                 yield f"{where} depends on {variable.name}, a {variable.variability} {variable.causality}"
 
 
-@rule(
+@RULES.add(
+    "X44",
     "Initial unknowns depend on what is given at the start",
     "2.2.8",
     "Dependencies in InitialUnknowns are inputs, variables with initial exact and the independent variable.",
@@ -126,7 +135,8 @@ def _initially_known(package: Package) -> Iterator[str]:
                 yield f"{where} depends on {variable.name}, whose initial is {variable.initial}"
 
 
-@rule(
+@RULES.add(
+    "X45",
     "dependenciesKind has one word per dependency",
     "2.2.8",
     "Give dependenciesKind as many words as dependencies has indices, or leave it out.",
@@ -152,11 +162,11 @@ def _indices(package: Package, place: str) -> list[int]:
     return [int(unknown.get("index")) for unknown in _unknowns(package, place)]
 
 
-def _existing(package: Package, indices: Iterable[int]) -> list[Variable]:
+def _existing(package: Package, indices: Iterable[int]) -> list[ScalarVariable]:
     return [package.variables[index - 1] for index in indices if 1 <= index <= len(package.variables)]
 
 
-def _named(package: Package, place: str) -> list[Variable]:
+def _named(package: Package, place: str) -> list[ScalarVariable]:
     return _existing(package, _indices(package, place))
 
 

@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from fmukit.conformance.package import Package
-from fmukit.conformance.xml_rules.group import repeated, rule
+from fmukit.conformance.rule import Rules
+from fmukit.conformance.xml_rules.group import reliable, repeated
+
+RULES: Rules[Package] = Rules(reliable)
 
 
-@rule(
+@RULES.add(
+    "X19",
     "Types have names of their own",
     "2.2.3",
     "Give every SimpleType another name, which is not the name of a variable either.",
@@ -20,7 +24,8 @@ def _unique(package: Package) -> Iterator[str]:
     yield from (f"{name!r} is the name of a type and of a variable" for name in names if name in variables)
 
 
-@rule(
+@RULES.add(
+    "X20",
     "Declared types exist and are of the variable's type",
     "2.2.7",
     "Define the SimpleType, or correct declaredType: a Real variable needs a Real type.",
@@ -37,7 +42,8 @@ def _declared(package: Package) -> Iterator[str]:
             yield f"variable {variable.name} is {variable.type}, its declaredType {variable.declared_type!r} is {kind}"
 
 
-@rule(
+@RULES.add(
+    "X21",
     "Enumeration items have names and values of their own",
     "2.2.3",
     "Give each Item of the Enumeration another name and another value.",

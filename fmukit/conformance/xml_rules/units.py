@@ -7,14 +7,18 @@ from collections.abc import Iterator
 from typing import Any
 
 from fmukit.conformance.package import Package
-from fmukit.conformance.xml_rules.group import repeated, rule
+from fmukit.conformance.rule import Rules
+from fmukit.conformance.xml_rules.group import reliable, repeated
 from fmukit.units import BASES, Unit, parse
 
+RULES: Rules[Package] = Rules(reliable)
 _LARGEST_EXPONENT = 12
 _RELATIVE = 1e-5  # authors round pi/180
 
 
-@rule("Units have names of their own", "2.2.2", "Define every unit once; each Unit needs another, non-empty name.")
+@RULES.add(
+    "X13", "Units have names of their own", "2.2.2", "Define every unit once; each Unit needs another, non-empty name."
+)
 def _unique(package: Package) -> Iterator[str]:
     names = [unit.get("name") for unit in _units(package)]
     yield from (f"the unit {name!r} is defined more than once" for name in repeated(names))
@@ -25,7 +29,8 @@ def _unique(package: Package) -> Iterator[str]:
         yield from (f"unit {unit.get('name')!r} has the display unit {name!r} twice" for name in repeated(shown))
 
 
-@rule(
+@RULES.add(
+    "X14",
     "Base units are sane",
     "2.2.2",
     "factor and offset must be finite and factor not 0; exponents of kg, m, s, A, K, mol, cd, rad are small numbers.",
@@ -39,7 +44,8 @@ def _base(package: Package) -> Iterator[str]:
                     yield f"unit {unit.get('name')!r} has the exponent {element.get(base)} of {base}"
 
 
-@rule(
+@RULES.add(
+    "X15",
     "Base units agree with the names of the units",
     "good practice",
     "Correct exponents, factor or offset in BaseUnit, or the name of the unit; importers convert by the base unit.",
@@ -51,7 +57,8 @@ def _meaning(package: Package) -> Iterator[str]:
             yield from (f"unit {unit.get('name')!r} has {text}" for text in _differences(base, known))
 
 
-@rule(
+@RULES.add(
+    "X16",
     "Display units measure the same quantity as their unit",
     "2.2.2",
     "DisplayUnit converts by display value = factor * value + offset: correct these, or move the display unit.",
@@ -66,7 +73,7 @@ def _display(package: Package) -> Iterator[str]:
                 yield from (f"{where}: {text}" for text in _misfit(element, known, shown))
 
 
-@rule("Units used are defined", "2.2.2", "Add a Unit of this name to UnitDefinitions, or correct the name.")
+@RULES.add("X17", "Units used are defined", "2.2.2", "Add a Unit of this name to UnitDefinitions, or correct the name.")
 def _defined(package: Package) -> Iterator[str]:
     names = {unit.get("name") for unit in _units(package)}
     for variable in package.variables:
@@ -77,7 +84,8 @@ def _defined(package: Package) -> Iterator[str]:
             yield f"type {kind.get('name')} has the unit {kind[0].get('unit')!r}, which is not defined"
 
 
-@rule(
+@RULES.add(
+    "X18",
     "Display units used are defined for the unit",
     "2.2.7",
     "Add a DisplayUnit of this name to the variable's Unit; a displayUnit needs a unit.",

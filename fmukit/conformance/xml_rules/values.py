@@ -6,11 +6,15 @@ import math
 from collections.abc import Iterator
 
 from fmukit.conformance.package import Package
-from fmukit.conformance.variable import Variable
-from fmukit.conformance.xml_rules.group import rule
+from fmukit.conformance.rule import Rules
+from fmukit.conformance.variable import ScalarVariable
+from fmukit.conformance.xml_rules.group import reliable
+
+RULES: Rules[Package] = Rules(reliable)
 
 
-@rule(
+@RULES.add(
+    "X30",
     "Inputs, parameters and constants have start values",
     "2.2.7",
     "Write start at every variable that is an input or whose initial is exact or approx.",
@@ -23,7 +27,8 @@ def _present(package: Package) -> Iterator[str]:
             yield f"variable {variable.name} ({what}) has no start value"
 
 
-@rule(
+@RULES.add(
+    "X31",
     "Calculated and independent variables have no start value",
     "2.2.7",
     'Take start out, or write initial="approx" or "exact" if the value matters.',
@@ -36,14 +41,16 @@ def _absent(package: Package) -> Iterator[str]:
             yield f"variable {variable.name} is {what} and has the start value {variable.start}"
 
 
-@rule("Start values are finite", "good practice", "Write a number; NaN and infinity are no values to start from.")
+@RULES.add(
+    "X32", "Start values are finite", "good practice", "Write a number; NaN and infinity are no values to start from."
+)
 def _finite(package: Package) -> Iterator[str]:
     for variable in package.variables:
         if isinstance(variable.start, float) and not math.isfinite(variable.start):
             yield f"variable {variable.name} has the start value {variable.start}"
 
 
-@rule("Start values lie within min and max", "2.2.7", "Correct start, or widen min and max.")
+@RULES.add("X33", "Start values lie within min and max", "2.2.7", "Correct start, or widen min and max.")
 def _within(package: Package) -> Iterator[str]:
     for variable in package.variables:
         if isinstance(variable.start, (bool, str)) or variable.start is None or not math.isfinite(variable.start):
@@ -53,7 +60,8 @@ def _within(package: Package) -> Iterator[str]:
             yield f"variable {variable.name} starts at {variable.start}, outside [{low}, {high}]"
 
 
-@rule(
+@RULES.add(
+    "X34",
     "Enumerations start at one of their items",
     "2.2.7",
     "Let start be the value of an Item of the declared type.",
@@ -69,7 +77,7 @@ def _item(package: Package) -> Iterator[str]:
             yield f"variable {variable.name} starts at {variable.start}, which is none of {sorted(legal)}"
 
 
-@rule("min is not above max", "2.2.7", "Exchange or correct min and max; neither may be NaN.")
+@RULES.add("X35", "min is not above max", "2.2.7", "Exchange or correct min and max; neither may be NaN.")
 def _order(package: Package) -> Iterator[str]:
     for variable in package.variables:
         low, high = _limits(variable)
@@ -77,13 +85,15 @@ def _order(package: Package) -> Iterator[str]:
             yield f"variable {variable.name} has min {low} and max {high}"
 
 
-@rule("Nominal values are positive and finite", "2.2.7", "Write the usual size of the variable, such as 100.")
+@RULES.add(
+    "X36", "Nominal values are positive and finite", "2.2.7", "Write the usual size of the variable, such as 100."
+)
 def _nominal(package: Package) -> Iterator[str]:
     for variable in package.variables:
         if variable.nominal is not None and not 0.0 < variable.nominal < math.inf:
             yield f"variable {variable.name} has the nominal value {variable.nominal}"
 
 
-def _limits(variable: Variable) -> tuple[float, float]:
+def _limits(variable: ScalarVariable) -> tuple[float, float]:
     low = -math.inf if variable.min is None else variable.min
     return low, math.inf if variable.max is None else variable.max

@@ -7,10 +7,11 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping
 
 from fmukit.conformance.package import Package
-from fmukit.conformance.rule import NotApplicable
-from fmukit.conformance.variable import Variable
-from fmukit.conformance.xml_rules.group import repeated, rule
+from fmukit.conformance.rule import NotApplicable, Rules
+from fmukit.conformance.variable import ScalarVariable
+from fmukit.conformance.xml_rules.group import reliable, repeated
 
+RULES: Rules[Package] = Rules(reliable)
 _BASIC = r"(?:[A-Za-z_]\w*|'(?:[\w!#$%&()*+,\-./:;<>=?@\[\]^{}|~ ]|\\['\"?\\abfnrtv])+')"
 _PART = rf"{_BASIC}(?:\[\d+(?:,\d+)*\])?"
 _PATH = rf"{_PART}(?:\.{_PART})*"
@@ -26,14 +27,15 @@ _VARIABILITY: Mapping[str, set[str]] = {
 }
 
 
-@rule("Variables have names of their own", "2.2.7", "Give every variable another, non-empty name.")
+@RULES.add("X22", "Variables have names of their own", "2.2.7", "Give every variable another, non-empty name.")
 def _unique(package: Package) -> Iterator[str]:
     names = [variable.name for variable in package.variables]
     yield from (f"{names.count(str(name))} variables have the name {name!r}" for name in repeated(names))
     yield from (f"variable {v.index} has the name {v.name!r}" for v in package.variables if not v.name.strip())
 
 
-@rule(
+@RULES.add(
+    "X23",
     "Structured names follow their grammar",
     "2.2.9",
     "Write names like body.wheel[2].speed or der(x): letters, digits and _, anything else in single quotes; "
@@ -47,7 +49,8 @@ def _structured(package: Package) -> Iterator[str]:
             yield f"{variable.name!r} is no structured name"
 
 
-@rule(
+@RULES.add(
+    "X24",
     "Integer, Boolean, String and Enumeration variables are not continuous",
     "2.2.7",
     'Write variability="discrete" (or fixed, tunable, constant) at the variable; left out, it means continuous.',
@@ -59,7 +62,8 @@ def _continuous(package: Package) -> Iterator[str]:
             yield f"the {variable.type} variable {variable.name} is continuous {how}"
 
 
-@rule(
+@RULES.add(
+    "X25",
     "Causality and variability go together",
     "2.2.7",
     "Parameters are fixed or tunable, inputs discrete or continuous, outputs constant, discrete or continuous.",
@@ -70,7 +74,8 @@ def _combination(package: Package) -> Iterator[str]:
             yield f"variable {variable.name} has causality {variable.causality} with variability {variable.variability}"
 
 
-@rule(
+@RULES.add(
+    "X26",
     "initial is one the causality and variability allow",
     "2.2.7",
     "Constants and parameters are exact, calculated parameters and fixed locals approx or calculated; "
@@ -83,7 +88,8 @@ def _initial(package: Package) -> Iterator[str]:
             yield f"variable {variable.name} has initial {variable.initial}, which a {kind} must not have"
 
 
-@rule(
+@RULES.add(
+    "X27",
     "There is at most one independent variable, a Real without a start value",
     "2.2.7",
     "Keep one variable of causality independent (time), of type Real; the others are outputs or locals.",
@@ -95,14 +101,15 @@ def _independent(package: Package) -> Iterator[str]:
     yield from (f"the independent variable {v.name} is {v.type}" for v in found if v.type != "Real")
 
 
-@rule(
+@RULES.add(
+    "X28",
     "Variables that share a value reference are true aliases",
     "2.2.7",
     "Give one of the variables another valueReference; aliases have one unit and one start value, "
     "and at most one of them may be set.",
 )
 def _aliases(package: Package) -> Iterator[str]:
-    shared: dict[tuple[str, int], list[Variable]] = defaultdict(list)
+    shared: dict[tuple[str, int], list[ScalarVariable]] = defaultdict(list)
     for variable in package.variables:
         shared["Integer" if variable.type == "Enumeration" else variable.type, variable.vr].append(variable)
     for (type_, vr), aliases in shared.items():
@@ -111,7 +118,8 @@ def _aliases(package: Package) -> Iterator[str]:
             yield f"the {type_} variables {names} share valueReference {vr} but {reason}"
 
 
-@rule(
+@RULES.add(
+    "X29",
     "derivative names a continuous Real variable",
     "2.2.7",
     "Let derivative be the index of the state, counted from 1 in the order of ModelVariables.",
@@ -128,13 +136,13 @@ def _derivative(package: Package) -> Iterator[str]:
             yield f"variable {variable.name} is the derivative of {state.name}, a {state.variability} {state.type}"
 
 
-def _legal(variable: Variable) -> bool:
+def _legal(variable: ScalarVariable) -> bool:
     return variable.variability in _VARIABILITY[variable.causality] or (
         variable.type != "Real" and variable.variability == "continuous"  # told by another rule
     )
 
 
-def _initials(variable: Variable) -> set[str]:
+def _initials(variable: ScalarVariable) -> set[str]:
     if variable.causality in ("input", "independent"):
         return set()
     if variable.causality == "parameter" or variable.variability == "constant":
@@ -144,7 +152,7 @@ def _initials(variable: Variable) -> set[str]:
     return {"exact", "approx", "calculated"}
 
 
-def _conflict(aliases: list[Variable]) -> str:
+def _conflict(aliases: list[ScalarVariable]) -> str:
     settable = [v.name for v in aliases if v.causality in ("parameter", "input")]
     if len(settable) > 1:
         return f"{' and '.join(settable)} can all be set"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from fmukit.interface import Table, load_parameters, output, sampled
+from fmukit.interface import CsvTable, load_parameters, output, sampled
 from fmus.controllers.bus import SAMPLE, trajectory_bus
 
 ROWS = 4000
@@ -15,5 +15,5 @@ INTERFACE = sampled(
     "Plays a built-in high-speed manoeuvre, or the trajectory of a CSV file, with a preview of 3 s",
     step=0.020,
     variables=[*load_parameters(Path(__file__).with_name("parameters.toml")), *trajectory_bus(output)],
-    table=Table("trajectory_file", COLUMNS, ROWS),
+    table=CsvTable("trajectory_file", COLUMNS, ROWS),
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from fmukit.interface import Table, Variable, group, input_, load_parameters, output, sampled
+from fmukit.interface import CsvTable, Variable, group, input_, load_parameters, output, sampled
 from fmus.controllers.bus import trajectory_bus
 
 ROWS = 4000
@@ -59,5 +59,5 @@ INTERFACE = sampled(
         *trajectory_bus(output),
         *_OUTPUTS,
     ],
-    table=Table("road_file", COLUMNS, ROWS, increasing=False),
+    table=CsvTable("road_file", COLUMNS, ROWS, increasing=False),
 )

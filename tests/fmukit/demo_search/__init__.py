@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from fmukit.component import Component
-from fmukit.interface import Table, input_, output, parameter, sampled
+from fmukit.interface import CsvTable, input_, output, parameter, sampled
 
 INTERFACE = sampled(
     "DemoSearch",
     "The nearest point of a hyperbola, searched for by IPOPT",
     step=1e-2,
-    table=Table("level_file", ("time", "level"), 5),
+    table=CsvTable("level_file", ("time", "level"), 5),
     variables=[
         parameter("product", "1", "product of the coordinates of a point of the hyperbola", 2.0, minimum=0.1),
         parameter("mirrored", "1", "whether the y coordinate is put out with the other sign", False),

@@ -9,7 +9,7 @@ from math import isfinite
 from operator import itemgetter
 from struct import Struct
 
-from .description import Description, Port
+from .description import Description, Scalar
 
 
 class RefusalError(Exception):
@@ -22,8 +22,11 @@ class _Transfer(ctypes.Structure):
     _fields_ = (*((name, ctypes.c_void_p) for name in ("values", "low", "high", "slots")), ("count", ctypes.c_int64))
 
 
-class Plan:
-    """The slots of one list of value references, all of one type."""
+class Access:
+    """The way to the slots of one list of value references, all of one type.
+
+    `where` is the slice of the buffer they lie in, None when they do not lie side by side.
+    """
 
     __slots__ = ("_description", "_kept", "_pack", "_pick", "_transfer", "_values", "slots", "where")
 
@@ -55,40 +58,43 @@ class Plan:
         return store(buffer, transfer)
 
     def _prepare(self) -> int:
-        """Lay out what the library is given; most plans are for getting only and never need it."""
-        ports, count = [self._description.ports[slot] for slot in self.slots], len(self.slots)
+        """Lay out what the library is given; most lists are for getting only and never need it."""
+        scalars, count = [self._description.scalars[slot] for slot in self.slots], len(self.slots)
         self._pack, self._values = Struct(f"{count}d").pack_into, array("d", bytes(8 * count))
-        limits = (array("d", [port.low for port in ports]), array("d", [port.high for port in ports]))
+        limits = (array("d", [scalar.low for scalar in scalars]), array("d", [scalar.high for scalar in scalars]))
         memory = (self._values, *limits, array("q", self.slots))
         transfer = _Transfer(*(part.buffer_info()[0] for part in memory), count)
         self._kept, self._transfer = (*memory, transfer), ctypes.addressof(transfer)
         return self._transfer
 
 
-def plan(description: Description, vrs: Sequence[int], type_: str) -> Plan:
-    """The plan of `vrs`; raises RefusalError when one does not exist or has another type."""
+def access_to(description: Description, vrs: Sequence[int], type_: str) -> Access:
+    """The way to the variables `vrs`; raises RefusalError when one does not exist or has another type."""
     for vr in vrs:
-        if not 0 <= vr < len(description.ports):
+        if not 0 <= vr < len(description.scalars):
             raise RefusalError(f"there is no variable with value reference {vr}; see modelDescription.xml")
-        port = description.ports[vr]
-        if port.type != type_:
-            raise RefusalError(f"{port.name} is of type {port.type}; get and set it as {port.type}, not as {type_}")
-    return Plan(description, list(vrs))
+        scalar = description.scalars[vr]
+        if scalar.type != type_:
+            raise RefusalError(
+                f"{scalar.name} is of type {scalar.type}; get and set it as {scalar.type}, not as {type_}"
+            )
+    return Access(description, list(vrs))
 
 
 def check_settable(description: Description, slots: list[int], initialised: bool) -> None:
     """Raise RefusalError for outputs, and for parameters once the instance is initialised."""
     for slot in slots:
-        port = description.ports[slot]
-        if port.causality == "output":
-            raise RefusalError(f"{port.name} is an output and cannot be set; set inputs and parameters only")
-        if port.causality == "parameter" and initialised:
-            raise RefusalError(f"{port.name} is a fixed parameter; set it before the end of initialisation, or reset")
+        scalar = description.scalars[slot]
+        if scalar.causality == "output":
+            raise RefusalError(f"{scalar.name} is an output and cannot be set; set inputs and parameters only")
+        if scalar.causality == "parameter" and initialised:
+            raise RefusalError(f"{scalar.name} is a fixed parameter; set it before the end of initialisation, or reset")
 
 
-def complaint(port: Port, value: float) -> str:
+def complaint(scalar: Scalar, value: float) -> str:
     """The sentence for a value outside the limits of its variable."""
-    unit = "" if port.unit == "1" else f" {port.unit}"
+    unit = "" if scalar.unit == "1" else f" {scalar.unit}"
+    limits = f"[{scalar.low:g}, {scalar.high:g}]{unit}"
     if not isfinite(value):
-        return f"{port.name} = {value} is not a finite number; keep it inside [{port.low:g}, {port.high:g}]{unit}"
-    return f"{port.name} = {value!r}{unit} is outside [{port.low:g}, {port.high:g}]{unit}; the old value is kept"
+        return f"{scalar.name} = {value} is not a finite number; keep it inside {limits}"
+    return f"{scalar.name} = {value!r}{unit} is outside {limits}; the old value is kept"

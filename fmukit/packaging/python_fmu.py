@@ -1,8 +1,7 @@
-"""The FMU file: PythonFMU's builder makes it, then it is written anew with our description, in a fixed order."""
+"""What PythonFMU's own builder puts into an FMU: its binaries, its package, and the script that starts ours."""
 
 from __future__ import annotations
 
-import io
 import sys
 import tempfile
 import zipfile
@@ -13,11 +12,8 @@ from pathlib import Path, PurePosixPath
 
 from pythonfmu import builder
 
-_STAMP = (1980, 1, 1, 0, 0, 0)
-_MODE = 0o100644 << 16
 
-
-def python_fmu(script: str, text: str, package: str, files: Mapping[str, bytes]) -> dict[str, bytes]:
+def built(script: str, text: str, package: str, files: Mapping[str, bytes]) -> dict[str, bytes]:
     """Members of the FMU PythonFMU builds from the script and the one package it imports."""
     # An FMU loaded into this process before has brought its own copy of PythonFMU, without libraries, perhaps gone.
     builder.HERE = Path(str(distribution("pythonfmu").locate_file("pythonfmu")))
@@ -54,14 +50,3 @@ def only_platforms(members: Mapping[str, bytes], platforms: tuple[str, ...]) -> 
         return "__pycache__" not in parts and (parts[0] != "binaries" or parts[1] in platforms)
 
     return {name: data for name, data in members.items() if wanted(name)}
-
-
-def pack(members: Mapping[str, bytes]) -> bytes:
-    """A zip archive that depends on nothing but its members."""
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED, compresslevel=6) as archive:
-        for name in sorted(members, key=lambda name: (name != "modelDescription.xml", name)):
-            item = zipfile.ZipInfo(name, _STAMP)
-            item.create_system, item.external_attr, item.compress_type = 3, _MODE, zipfile.ZIP_DEFLATED
-            archive.writestr(item, members[name])
-    return buffer.getvalue()

@@ -1,61 +1,24 @@
-"""What an FMU shows: its variables, its kind and its step. No mathematics, no FMI calls, no casadi.
-
-Every component declares one `Interface`. The order of its variables is the order of the slots in the instance's
-buffer, and the FMI value reference of a variable is its slot: parameters first, then inputs, then outputs.
-"""
+"""The interface of a component: its variables, its kind and its step, the table it reads and the advice it gives."""
 
 from __future__ import annotations
 
 import math
 import re
-import tomllib
 import zlib
-from collections.abc import Callable, Iterable
+from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Literal
 
-Causality = Literal["parameter", "input", "output"]
-Type = Literal["Real", "Integer", "Boolean", "String"]
+from fmukit.interface.variable import Causality, Variable, parameter
+
 Kind = Literal["continuous", "sampled"]
-Value = float | int | bool | str
 
-AXES = ("x", "y", "z")
-_NAME = re.compile(r"[a-z_][a-z0-9_]*(\[\d+])?(\.[a-z_][a-z0-9_]*(\[\d+])?)*")
 _SEEDS = 2**31
-_TOML_KEYS = {"value", "unit", "min", "max", "description", "source"}
 
 
 @dataclass(frozen=True, slots=True)
-class Variable:
-    """One scalar variable. `unit` is "1" for a pure number; `minimum`/`maximum` are inclusive and enforced."""
-
-    name: str
-    causality: Causality
-    unit: str
-    description: str
-    start: Value = 0.0
-    minimum: float | None = None
-    maximum: float | None = None
-    nominal: float | None = None
-    type: Type = "Real"
-    source: str = ""
-
-    def __post_init__(self) -> None:
-        if not _NAME.fullmatch(self.name):
-            raise ValueError(f"variable name {self.name!r} is not a lower_snake structured name")
-        if not self.description:
-            raise ValueError(f"variable {self.name} has no description")
-        if self.type == "String":
-            return
-        low = -math.inf if self.minimum is None else self.minimum
-        high = math.inf if self.maximum is None else self.maximum
-        if not low <= float(self.start) <= high:
-            raise ValueError(f"variable {self.name}: start {self.start} is outside [{low}, {high}]")
-
-
-@dataclass(frozen=True, slots=True)
-class Table:
+class CsvTable:
     """A numeric CSV file read at initialisation, named by the String parameter `parameter` (empty: no file).
 
     `rows` is the capacity; with `increasing` the first column must increase strictly.
@@ -99,12 +62,12 @@ class Interface:
     variables: tuple[Variable, ...]
     max_substep: float = math.inf
     noise: int = 0
-    table: Table | None = None
+    table: CsvTable | None = None
     advice: tuple[Advice, ...] = ()
 
     def __post_init__(self) -> None:
-        names = [variable.name for variable in self.variables]
-        twice = sorted({name for name in names if names.count(name) > 1})
+        names = Counter(variable.name for variable in self.variables)
+        twice = sorted(name for name, count in names.items() if count > 1)
         if twice:
             raise ValueError(f"{self.name} declares {', '.join(twice)} more than once")
         for advice in self.advice:
@@ -149,7 +112,7 @@ def sampled(
     step: float,
     variables: Iterable[Variable],
     noise: int = 0,
-    table: Table | None = None,
+    table: CsvTable | None = None,
     periods: tuple[float, float] = (1e-6, 1e3),
     advice: Iterable[Advice] = (),
 ) -> Interface:
@@ -187,71 +150,3 @@ def _ordered(variables: Iterable[Variable]) -> tuple[Variable, ...]:
     fault = Variable("fault", "output", "1", "true while the last step was refused or failed", False, type="Boolean")
     rank = {"parameter": 0, "input": 1, "output": 2}
     return tuple(sorted([*variables, fault], key=lambda variable: rank[variable.causality]))
-
-
-def parameter(
-    name: str,
-    unit: str,
-    description: str,
-    start: Value,
-    *,
-    minimum: float | None = None,
-    maximum: float | None = None,
-    source: str = "",
-) -> Variable:
-    """A fixed parameter; a bool start makes it Boolean, a str start makes it String."""
-    type_: Type = "Boolean" if isinstance(start, bool) else "String" if isinstance(start, str) else "Real"
-    return Variable(name, "parameter", unit, description, start, minimum, maximum, type=type_, source=source)
-
-
-def input_(
-    name: str,
-    unit: str,
-    description: str,
-    start: float = 0.0,
-    *,
-    minimum: float | None = None,
-    maximum: float | None = None,
-    nominal: float | None = None,
-) -> Variable:
-    """A Real input."""
-    return Variable(name, "input", unit, description, start, minimum, maximum, nominal)
-
-
-def output(name: str, unit: str, description: str, *, nominal: float | None = None) -> Variable:
-    """A Real output; its value after initialisation is calculated."""
-    return Variable(name, "output", unit, description, nominal=nominal)
-
-
-def group(
-    make: Callable[..., Variable], name: str, members: Iterable[str], unit: str, text: str, **options: object
-) -> list[Variable]:
-    """`make` (`input_`, `output`) once per member: group(input_, "force", AXES, "N", "external force")."""
-    return [make(f"{name}.{member}", unit, f"{text}, {member}", **options) for member in members]
-
-
-def load_parameters(path: Path) -> tuple[Variable, ...]:
-    """Parameters from a TOML file of entries `"name" = {value, unit, description, source, min, max}`.
-
-    Raises ValueError naming the file and the entry when a key is missing or unknown.
-    """
-    return tuple(_from_toml(path, name, entry) for name, entry in tomllib.loads(path.read_text("utf-8")).items())
-
-
-def _from_toml(path: Path, name: str, entry: dict[str, object]) -> Variable:
-    if not isinstance(entry, dict):
-        raise ValueError(f'{path.name}: {name} must be a table like {{value = 1.0, unit = "m", ...}}')
-    unknown, missing = entry.keys() - _TOML_KEYS, {"value", "unit", "description", "source"} - entry.keys()
-    if unknown or missing:
-        raise ValueError(f"{path.name}: {name} has unknown keys {sorted(unknown)} and lacks {sorted(missing)}")
-    value = entry["value"]
-    start = value if isinstance(value, bool | str) else float(value)  # type: ignore[arg-type]
-    return parameter(
-        name,
-        str(entry["unit"]),
-        str(entry["description"]),
-        start,
-        minimum=entry.get("min"),  # type: ignore[arg-type]
-        maximum=entry.get("max"),  # type: ignore[arg-type]
-        source=str(entry["source"]),
-    )

@@ -1,7 +1,4 @@
-"""A host with nothing but the standard library: raw FMI 2.0 calls that return their status instead of raising.
-
-It imports nothing of this package, so that `errand` can use it in a Python without any packages.
-"""
+"""A host with nothing but the standard library: raw FMI 2.0 calls that return their status instead of raising."""
 
 from __future__ import annotations
 
@@ -52,12 +49,16 @@ class Target:
 
 
 @dataclass(frozen=True)
-class Plan:
+class Experiment:
     """A run: communication steps of `step` [s] from time `start` [s], with one row of input values held over each."""
 
     start: float
     step: float
     rows: tuple[tuple[float, ...], ...]
+
+    def until(self, count: int) -> Experiment:
+        """The first `count` steps."""
+        return Experiment(self.start, self.step, self.rows[:count])
 
 
 class Instance:
@@ -173,31 +174,31 @@ class Instance:
         return self.call("DeSerializeFMUstate", memory, c_size_t(len(data)), byref(state)), state
 
 
-def steps(instance: Instance, plan: Plan, first: int = 0, forgiving: bool = False) -> list[Row]:
-    """The outputs after each step of the plan from number `first` on; `forgiving` repeats one discarded step."""
+def steps(instance: Instance, experiment: Experiment, first: int = 0, forgiving: bool = False) -> list[Row]:
+    """The outputs after each step of the experiment from number `first` on; `forgiving` repeats one discarded step."""
     seen: list[Row] = []
-    for k in range(first, len(plan.rows)):
-        time = plan.start + k * plan.step
-        instance.feed(plan.rows[k])
-        status = instance.step(time, plan.step)
+    for k in range(first, len(experiment.rows)):
+        time = experiment.start + k * experiment.step
+        instance.feed(experiment.rows[k])
+        status = instance.step(time, experiment.step)
         if status == DISCARD and forgiving:
-            instance.feed(plan.rows[k])
-            status, forgiving = instance.step(time, plan.step), False
+            instance.feed(experiment.rows[k])
+            status, forgiving = instance.step(time, experiment.step), False
         instance.expect(f"fmi2DoStep at {time:g} s", status)
         seen.append(instance.outputs())
     return seen
 
 
-def initialised(instance: Instance, plan: Plan) -> Row:
+def initialised(instance: Instance, experiment: Experiment) -> Row:
     """From instantiated to stepping; the outputs at the start."""
-    instance.enter(plan.start)
+    instance.enter(experiment.start)
     instance.must("ExitInitializationMode")
     return instance.outputs()
 
 
-def life(instance: Instance, plan: Plan) -> list[Row]:
+def life(instance: Instance, experiment: Experiment) -> list[Row]:
     """The whole life of a new instance: the outputs at the start and after each step."""
-    seen = [initialised(instance, plan), *steps(instance, plan)]
+    seen = [initialised(instance, experiment), *steps(instance, experiment)]
     instance.must("Terminate")
     instance.free()
     return seen

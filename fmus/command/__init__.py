@@ -1,0 +1,1 @@
+"""The `fmus` command: a module for each subcommand that needs the catalogue."""
