@@ -14,7 +14,7 @@ from cosim.errors import CosimError
 from fmus.planner.evasion import command as avoidance_cli
 
 if TYPE_CHECKING:
-    from fmus.double_track.data import DoubleTrackCar
+    from fmus.cars.double_track import DoubleTrackCar
     from fmus.planner.hocp import Plan
 
 
@@ -57,8 +57,8 @@ def plan_command(
         avoidance_cli.avoidance_command(file, _given(context), as_json=as_json)
         return
     from fmus.planner import files, plans, trajectory  # noqa: PLC0415  (lazy: `--help` answers at once)
-    from fmus.planner.cars import CARS  # noqa: PLC0415
     from fmus.planner.errors import PlanningError  # noqa: PLC0415
+    from fmus.planner.planned_cars import CARS  # noqa: PLC0415
 
     if lost_motor and forces is None:
         raise CosimError("--lost-motor changes the wheel forces only; name their file with --forces")

@@ -114,16 +114,6 @@ def plan(
         raise explained(failure, ends, gates, remedy, road.gates(FINE) if m < FINE // 2 else None) from None
 
 
-def refine(
-    vehicle: Vehicle, road: Road, meshes: tuple[int, ...], ends: Ends | None = None, settings: Settings | None = None
-) -> list[Plan]:
-    """Plans on finer and finer meshes, each beginning at the one before."""
-    plans: list[Plan] = []
-    for m in meshes:
-        plans.append(plan(vehicle, road, m, ends, settings, start=plans[-1].nodes if plans else None))
-    return plans
-
-
 def _check_spacing(gates: Gates) -> None:
     lengths = np.hypot(*gates.steps[:, :2].T)
     if lengths.max() > _FARTHEST:

@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable
 from pathlib import Path
 
+from fmus.cars import published
 from fmus.controllers.reference.interface import ROWS
 from fmus.planner import hocp
 from fmus.planner.errors import PlanningError
@@ -15,7 +16,6 @@ from fmus.planner.path_road import read_road
 from fmus.planner.program import standing_ends
 from fmus.planner.road import Corridor, double_lane_change
 from fmus.planner.vehicle import Vehicle, two_wheel_drive
-from fmus.single_track.data import car
 
 ROADS: dict[str, Callable[[], Corridor]] = {
     "double-lane-change": double_lane_change,
@@ -38,7 +38,7 @@ def named(name: str, m: int, grid: Grid, speed: float, vehicle: Vehicle | None =
             f"a plan on {m} intervals has more rows than ReferenceTrajectory takes; the most is {ROWS - 1}"
         )
     ends = standing_ends(speed)
-    return hocp.plan(vehicle or two_wheel_drive(car()), _road(name), m, ends, Settings(grid=grid))
+    return hocp.plan(vehicle or two_wheel_drive(published.single_track()), _road(name), m, ends, Settings(grid=grid))
 
 
 def remarks(violation: float, replay_error: float, residual: float, status: str) -> list[str]:

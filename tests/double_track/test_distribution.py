@@ -13,11 +13,13 @@ import pytest
 from scipy import sparse
 
 from fmukit.qp import qp_solver
+from fmus.cars.double_track import DoubleTrackCar
+from fmus.cars.published import double_track
 from fmus.controllers.mpc_allocator.programs import _WHEELS
-from fmus.double_track import data, distribution, model
+from fmus.double_track import distribution, model
 from fmus.double_track.distribution import Limits, Weights
 
-CAR = data.car()
+CAR = double_track()
 NONE = np.zeros(4)
 ALL = np.ones(4)
 LIMITS = Limits(force=3e3, power=math.inf, rate=2e4, friction=1.0)
@@ -237,7 +239,7 @@ def test_more_limit_never_hurts() -> None:
 def test_symbols_give_the_same_numbers() -> None:
     """As the kernel uses it: everything a symbol, also the car's width."""
     d, delta = ca.SX.sym("d"), ca.SX.sym("delta")
-    car = data.DoubleTrackCar(CAR.planar, d, CAR.h, CAR.least_load)
+    car = DoubleTrackCar(CAR.planar, d, CAR.h, CAR.least_load)
     G = ca.Function("G", [d, delta], [distribution.effectiveness(car, delta)])
     expected = ca.DM(distribution.effectiveness(CAR, 0.1)).full()
     np.testing.assert_allclose(G(CAR.d, 0.1).full(), expected)

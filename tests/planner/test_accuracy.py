@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from collocation import final_time
 
+from fmus.cars.published import single_track
 from fmus.planner.hocp import Grid, Settings, plan, refine
 from fmus.planner.road import double_lane_change
 from fmus.planner.vehicle import two_wheel_drive
-from fmus.single_track.data import car
+from tests.references.collocation import final_time
 
-CAR = two_wheel_drive(car())
+CAR = two_wheel_drive(single_track())
 ROAD = double_lane_change()
 
 
 def test_collocation_finds_the_same_end_time() -> None:
     found = plan(CAR, ROAD, 80, settings=Settings(grid="time", smoothing=0.0))
-    assert found.final_time == pytest.approx(final_time(car(), ROAD, 80), abs=5e-4)
+    assert found.final_time == pytest.approx(final_time(single_track(), ROAD, 80), abs=5e-4)
     assert found.final_time == pytest.approx(7.1870, abs=5e-4)
 
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fmus.cars.published import single_track
 from fmus.planner import bends
 from fmus.planner.errors import PlanningError
 from fmus.planner.hocp import Settings, plan
@@ -14,9 +15,8 @@ from fmus.planner.path_road import PathRoad
 from fmus.planner.program import Ends, standing_ends
 from fmus.planner.road import double_lane_change
 from fmus.planner.vehicle import two_wheel_drive
-from fmus.single_track.data import car
 
-CAR = two_wheel_drive(car())
+CAR = two_wheel_drive(single_track())
 ROAD = double_lane_change()
 
 
@@ -71,7 +71,7 @@ def test_a_bend_too_sharp_is_refused_before_the_search() -> None:
 
 def test_smallest_circle_is_that_of_the_geometry() -> None:
     """Slowly, wheels roll where they point: the centre of gravity runs on sqrt((L/tan delta)^2 + l_R^2)."""
-    data, slow = car(), CAR.lower.copy()
+    data, slow = single_track(), CAR.lower.copy()
     slow[2] = 0.3
     expected = np.hypot(data.wheelbase / np.tan(0.6), data.l_R)
     assert bends.smallest_circle(replace(CAR, lower=slow)) == pytest.approx(expected, rel=2e-3)

@@ -10,18 +10,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fmus.cars.published import double_track
 from fmus.controllers import mpc_allocator
-from fmus.double_track import data, model
+from fmus.double_track import model
 from fmus.double_track.distribution import Limits, Weights
 from fmus.planner import forces, trajectory
 from fmus.planner.errors import PlanningError
 from fmus.planner.hocp import Plan, Settings, plan
 from fmus.planner.road import double_lane_change
-from fmus.planner.vehicle import gear_shift_car, two_wheel_drive
+from fmus.planner.vehicle import two_wheel_drive
 from fmus.single_track import model as single
 from fmus.single_track.forces import air_drag, rolling_coefficient
+from tests.references.gear_shift import gear_shift_car
 
-CAR = data.car()
+CAR = double_track()
 LIMITS = Limits(force=3e3, power=np.inf, rate=np.inf, friction=1.0)
 WEIGHTS = Weights(force_x=1.0, force_y=1.0, moment=1.0, epsilon=1e-3, rho=0.0)
 LOST = (1.0, 1.0, 1.0, 0.0)

@@ -8,6 +8,8 @@ from functools import cache
 import casadi as ca
 import numpy as np
 
+from fmus.cars import published
+from fmus.cars.single_track import SingleTrackCar
 from fmus.planner import compiled
 from fmus.planner.blocks import shots, with_derivatives
 from fmus.planner.errors import PlanningError
@@ -15,7 +17,6 @@ from fmus.planner.evasion.car import Means, input_limits, motion
 from fmus.planner.gates import Array
 from fmus.planner.program import Nodes, Program, decision, roughness, scaled
 from fmus.planner.vehicle import Vehicle, two_wheel_drive
-from fmus.single_track.data import Car, car
 
 _SUBSTEPS = 2
 _SMOOTHING, _HASTE = 1e-4, 1e-3
@@ -68,8 +69,8 @@ class LastPoint:
 class Search:
     """The program of one car, compiled once for all tasks with, or without, an edge."""
 
-    def __init__(self, data: Car | None = None, *, edge: bool, compile_: bool = True) -> None:
-        data = data or car()
+    def __init__(self, data: SingleTrackCar | None = None, *, edge: bool, compile_: bool = True) -> None:
+        data = data or published.single_track()
         self._vehicle = replace(two_wheel_drive(data), f=motion(data))
         self._counts = _WITH_EDGE if edge else _WITHOUT_EDGE
         self._program = _program(self._vehicle, self._counts)

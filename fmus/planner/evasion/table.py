@@ -22,7 +22,7 @@ OFFSETS = (1.5, 2.5, 3.5)
 SPEEDS = (15.0, 20.0, 25.0, 30.0, 35.0)
 COLUMNS = ("friction", "offset", "speed", "brake", "brake_of_car", "steer", "brake_and_steer")
 FILE = Path(__file__).with_name("last_points.csv")
-"""The table of the default car and road, as `cosim plan collision-avoidance -o` writes it."""
+"""The table of the default car and road, as `fmus plan collision-avoidance -o` writes it."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,6 +10,7 @@ import casadi as ca
 
 from fmukit.compiling.compiler import host_platform
 from fmukit.compiling.functions import library
+from fmus.cars.single_track import single_track_car
 from fmus.planner.program import Nodes
 from fmus.planner.receding import horizon, road, run
 from fmus.planner.receding.interface import INTERFACE
@@ -19,7 +20,6 @@ from fmus.planner.receding.memory import PLANNING, Plan, Record
 from fmus.planner.receding.model import kernel
 from fmus.planner.receding.search import OPTIONS, Tools, tools
 from fmus.planner.vehicle import Vehicle, two_wheel_drive
-from fmus.single_track.data import of
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +76,7 @@ def drive(tools: Tools, p: Mapping[str, Any], table: Sequence[Sequence[float]] =
 def same_limits(p: Mapping[str, Any]) -> Vehicle:
     """The car and the limits of `p` for the offline planner."""
     vehicle = two_wheel_drive(
-        of({**{name: p[f"design.{name}"] for name in CAR}, "wheel.radius": 0.0}),
+        single_track_car({**{name: p[f"design.{name}"] for name in CAR}, "wheel.radius": 0.0}),
         friction=p["tyre.friction"] if p["tyre.combined_slip"] else None,
         steering_rate=p["limit.steering_rate"],
         front=(-p["limit.front_brake"], 0.0),
