@@ -1,7 +1,11 @@
-"""What can go wrong while building and is the user's to put right."""
+"""What the user can put right."""
 
 from __future__ import annotations
 
 
-class BuildError(Exception):
+class UserError(Exception):
+    """A mistake of the user; the message is one sentence, which the command lines print before exit status 2."""
+
+
+class BuildError(UserError):
     """The FMU cannot be built; the message is one sentence saying what to do."""

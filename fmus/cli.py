@@ -1,4 +1,4 @@
-"""The `fmus` command: what there is (`list`), making it (`build`) and checking it (`check`)."""
+"""The `fmus` command: what there is (`list`), making it (`build`), checking it (`check`), planning (`plan`)."""
 
 from __future__ import annotations
 
@@ -18,24 +18,21 @@ from rich.table import Table
 from fmukit.compiling.compiler import PLATFORMS
 from fmukit.component import Component
 from fmukit.conformance.command import check_command
-from fmukit.errors import BuildError
+from fmukit.errors import UserError
 from fmukit.hosting.command import PASS_ON, doctor_command, host_command
 from fmus import CATALOGUE
+from fmus.planner.command import plan_command
 
 # Of the click inside typer, which has no public name for it.
 _UsageError: type[Exception] = typer.BadParameter.__mro__[1]
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
 
 
-class UserError(Exception):
-    """Something the user can put right; the message is one sentence."""
-
-
 def main() -> None:
     """Run the command; an error of the user is one sentence on stderr and exit status 2."""
     try:
         sys.exit(app(standalone_mode=False) or 0)
-    except (UserError, BuildError) as error:
+    except UserError as error:
         _end(str(error))
     except OSError as error:
         _end(f"{error.filename}: {error.strerror}")
@@ -58,6 +55,7 @@ def _about() -> None:
 app.command("check")(check_command)
 app.command("host", context_settings=PASS_ON)(host_command)
 app.command("doctor")(doctor_command)
+app.command("plan")(plan_command)
 
 
 @app.command("list")

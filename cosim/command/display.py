@@ -19,6 +19,7 @@ from rich.table import Table
 from cosim.model.clock import to_seconds
 from cosim.run import Plan
 from cosim.scenario import Scenario
+from fmukit.console import console_of
 
 _UNITS = {
     **dict.fromkeys(("lateral_", "longitudinal_", "position_", "corridor_"), "m"),
@@ -38,12 +39,6 @@ _UNITS = {
 """Units of metrics by how their names begin, the longest that fits, after the name of a car (`car2.settling_time`)."""
 _CAR = re.compile(r"car\d+\.")
 _REFRESH = 0.1  # [s] of wall time between two updates of the progress bar
-
-
-def console_of(*, stderr: bool = False) -> Console:
-    """A console that does not squeeze tables when its output goes to a file."""
-    console = Console(highlight=False, stderr=stderr)
-    return console if console.is_terminal else Console(highlight=False, stderr=stderr, width=160)
 
 
 class _Notices(logging.Handler):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from dataclasses import asdict
+from importlib.metadata import entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
@@ -12,7 +13,7 @@ import typer
 
 from cosim.engine.schedule import Scheme
 from cosim.errors import CosimError, because
-from fmus.planner.command import plan_command
+from fmukit.errors import UserError
 
 if TYPE_CHECKING:
     from cosim.results.reading import Results
@@ -36,7 +37,7 @@ def main() -> None:
     """
     try:
         sys.exit(app(standalone_mode=False) or 0)
-    except CosimError as error:
+    except (CosimError, UserError) as error:
         _end(str(error), _MISTAKE)
     except _UsageError as error:
         _end(f"{_usage(error)}; `cosim --help` shows what there is", _MISTAKE)
@@ -65,7 +66,8 @@ def list_(as_json: Annotated[bool, typer.Option("--json", help="Print JSON only.
     if as_json:
         print(json.dumps([_listed(scenario) for scenario in found], indent=2))
         return
-    from cosim.command.display import console_of, scenario_table  # noqa: PLC0415
+    from cosim.command.display import scenario_table  # noqa: PLC0415
+    from fmukit.console import console_of  # noqa: PLC0415
 
     console_of().print(scenario_table(found))
 
@@ -161,7 +163,8 @@ def export(
     print(export_ssp(request, target))
 
 
-app.command("plan")(plan_command)
+for _entry in entry_points(group="cosim.commands"):
+    app.command(_entry.name)(_entry.load())
 
 
 def _draw(scenario: Scenario, results: Results, file: Path) -> None:

@@ -18,7 +18,7 @@ from fmus.cars.wheels import FRONT, WHEELS
 from fmus.controllers import low_level_pid, mpc_allocator
 from fmus.planner import trajectory
 from fmus.planner.errors import PlanningError
-from fmus.planner.hocp import Settings, plan
+from fmus.planner.hocp import PlanSettings, plan
 from fmus.planner.planned_cars import multibody
 from fmus.planner.program import standing_ends
 from fmus.planner.road import double_lane_change
@@ -99,7 +99,7 @@ def test_masses_and_loads() -> None:
 
 
 def test_it_can_be_planned() -> None:
-    found = plan(two_wheel_drive(CAR), double_lane_change(), 40, settings=Settings(compile=False))
+    found = plan(two_wheel_drive(CAR), double_lane_change(), 40, settings=PlanSettings(compile=False))
     assert 6 < found.final_time < 9 and found.replay_error() < 0.01
 
 
@@ -133,7 +133,7 @@ def test_planned_forces_are_within_grip_motors_and_brakes(force: float) -> None:
 @pytest.mark.parametrize("speed", [10.0, 30.0])
 def test_plan_for_the_multibody_car_keeps_grip(speed: float) -> None:
     """Slip stays where the axles are fitted, and acceleration keeps a fifth of the grip, which ends at 7.9 m/s2."""
-    found = plan(LIMITS, double_lane_change(), 40, standing_ends(speed), Settings(compile=False))
+    found = plan(LIMITS, double_lane_change(), 40, standing_ends(speed), PlanSettings(compile=False))
     slips = np.array([[float(a) for a in slip_angles(CAR, x)] for x in found.nodes.x.T])
     across = trajectory.table(found)[:, 4] ** 2 * trajectory.table(found)[:, 6]
     assert np.abs(slips).max() < MOST_SLIP + 0.02

@@ -23,7 +23,7 @@ from fmus.controllers.reference.interface import COLUMNS
 from fmus.planner import trajectory
 from fmus.planner.check import fine
 from fmus.planner.errors import PlanningError
-from fmus.planner.hocp import Grid, Plan, Settings, plan
+from fmus.planner.hocp import Grid, Plan, PlanSettings, plan
 from fmus.planner.path_road import PathRoad
 from fmus.planner.program import Ends, standing_ends
 from fmus.planner.road import double_lane_change
@@ -32,7 +32,7 @@ from tests.references.gear_shift import gear_shift_car
 from tests.references.gerdts_form import gerdts
 
 CAR = two_wheel_drive(single_track())
-INTERPRETED = Settings(compile=False)
+INTERPRETED = PlanSettings(compile=False)
 FREE = np.nan
 
 
@@ -59,14 +59,14 @@ def test_time_grid() -> None:
 @pytest.mark.nightly
 @pytest.mark.parametrize(("grid", "seconds"), [("gate", 7.1880), ("time", 7.1882)])
 def test_finer_mesh(grid: Grid, seconds: float) -> None:
-    found = plan(CAR, double_lane_change(), 160, settings=Settings(grid=grid))
+    found = plan(CAR, double_lane_change(), 160, settings=PlanSettings(grid=grid))
     assert found.final_time == pytest.approx(seconds, abs=5e-4)
     assert found.violation < 0.03
 
 
 def gear_shift(m: int, substeps: int) -> Plan:
     road = double_lane_change(1.0, 0.75, 1.5, "cubic")
-    settings = Settings(grid="time", substeps=substeps, smoothing=0.0, compile=False)
+    settings = PlanSettings(grid="time", substeps=substeps, smoothing=0.0, compile=False)
     return plan(gear_shift_car(single_track()), road, m, settings=settings)
 
 
@@ -257,7 +257,7 @@ def test_what_cannot_be_planned() -> None:
     with pytest.raises(PlanningError, match="at least 2 intervals"):
         plan(CAR, road, 1)
     with pytest.raises(PlanningError, match="use the gate grid"):
-        plan(CAR, bend(), 20, settings=Settings(grid="time"))
+        plan(CAR, bend(), 20, settings=PlanSettings(grid="time"))
     with pytest.raises(PlanningError, match="Maximum_Iterations_Exceeded after 3 iterations"):
         plan(CAR, road, 20, settings=replace(INTERPRETED, max_iterations=3))
     with pytest.raises(PlanningError, match="cannot be written"):

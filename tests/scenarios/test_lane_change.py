@@ -19,7 +19,7 @@ from fmus.cars.derived import single_track
 from fmus.cars.nominal import DESIGN
 from fmus.cars.wheels import WHEELS
 from fmus.planner import trajectory
-from fmus.planner.hocp import Settings, plan
+from fmus.planner.hocp import PlanSettings, plan
 from fmus.planner.planned_cars import multibody
 from fmus.planner.road import double_lane_change
 from fmus.planner.vehicle import two_wheel_drive
@@ -119,7 +119,7 @@ def test_what_the_controller_assumes_of_the_multibody_car_follows_from_that_car(
 
 def test_the_multibody_car_drives_the_plan_documented_for_it() -> None:
     """That of `fmus plan --car vehicle16dof`; the plan for rear-wheel drive without combined slip is another one."""
-    settings = Settings(compile=False)
+    settings = PlanSettings(compile=False)
     file = configured(load("double-lane-change-16dof"), []).instances["reference"].parameters["trajectory_file"]
     driven = np.loadtxt(str(file), delimiter=",", skiprows=1)
     made, other = (

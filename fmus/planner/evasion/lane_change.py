@@ -13,7 +13,7 @@ from fmus.planner import hocp
 from fmus.planner.evasion.car import Means, evading_car
 from fmus.planner.evasion.situation import Encounter, Surroundings
 from fmus.planner.gates import Array, Gates, checked
-from fmus.planner.hocp import Plan, Settings
+from fmus.planner.hocp import Plan, PlanSettings
 from fmus.planner.program import Ends, Nodes
 
 _BEFORE, _AFTER = 30, 45
@@ -74,7 +74,7 @@ def lane_change(
     """The plan; raises PlanningError when there is none. Evaluated in one way, so that its digits always agree."""
     gripping = with_grip(data or published.single_track(), _GRIP)
     vehicle = evading_car(gripping, encounter.friction, means, slowest=_SLOWEST * encounter.speed)
-    settings = Settings(compile=False, smoothing=_SMOOTHING)
+    settings = PlanSettings(compile=False, smoothing=_SMOOTHING)
     way, both = road(encounter, surroundings), ends(encounter.speed, surroundings.lane)
     start = _at_constant_speed(way, encounter.speed, surroundings.lane)
     return hocp.plan(vehicle, way, _BEFORE + _AFTER, both, settings, start=start)

@@ -15,7 +15,7 @@ from fmus.planner.blocks import shots, with_derivatives
 from fmus.planner.errors import PlanningError
 from fmus.planner.evasion.car import Means, input_limits, motion
 from fmus.planner.gates import Array
-from fmus.planner.program import Nodes, Program, decision, roughness, scaled
+from fmus.planner.program import Nodes, NonlinearProgram, decision, roughness, scaled
 from fmus.planner.vehicle import Vehicle, two_wheel_drive
 
 _SUBSTEPS = 2
@@ -142,7 +142,7 @@ def search(*, edge: bool, compile_: bool = True) -> Search:
     return Search(edge=edge, compile_=compile_)
 
 
-def _program(vehicle: Vehicle, counts: tuple[int, ...]) -> Program:
+def _program(vehicle: Vehicle, counts: tuple[int, ...]) -> NonlinearProgram:
     """Minimise w_x x + w_y y at the end of the first phase, with free durations; the parameters are mu, w_x, w_y.
 
     The intervals of a phase are equally long.
@@ -158,4 +158,6 @@ def _program(vehicle: Vehicle, counts: tuple[int, ...]) -> Program:
     nlp = {"x": s.column, "f": cost, "g": ca.vertcat(gaps.gaps, equal.T), "p": p}
     zero, free = np.zeros(nlp["g"].numel()), np.full(s.column.numel(), np.inf)
     frames = np.zeros((m + 1, 3))
-    return Program(nlp, -free, free, zero, zero, np.zeros(0), frames, vehicle, m, with_derivatives(nlp, gaps, equal.T))
+    return NonlinearProgram(
+        nlp, -free, free, zero, zero, np.zeros(0), frames, vehicle, m, with_derivatives(nlp, gaps, equal.T)
+    )

@@ -19,7 +19,7 @@ from fmus.planner.evasion.decision import Decision, decide
 from fmus.planner.evasion.lane_change import lane_change
 from fmus.planner.evasion.last_point import Search, Task
 from fmus.planner.evasion.situation import Encounter, Surroundings
-from fmus.planner.evasion.table import Table, read
+from fmus.planner.evasion.table import LastPointTable, read
 from fmus.planner.gates import Array
 
 _STEP, _JUMP = 0.02, 1e-3
@@ -45,7 +45,7 @@ class Manoeuvre:
 
 def manoeuvre(
     encounter: Encounter,
-    table: Table | None = None,
+    table: LastPointTable | None = None,
     surroundings: Surroundings | None = None,
     data: SingleTrackCar | None = None,
 ) -> Manoeuvre:

@@ -22,14 +22,14 @@ from fmus.single_track import model
 
 
 @dataclass(frozen=True, slots=True)
-class Problem:
+class LocalProblem:
     """`nlp` and the options `derivatives` of CasADi's solvers for it."""
 
     nlp: dict[str, Any]
     derivatives: dict[str, ca.Function]
 
 
-def problem(horizon: int = HORIZON) -> Problem:
+def problem(horizon: int = HORIZON) -> LocalProblem:
     """The NLP of `horizon` intervals.
 
     x: scaled states (7 x N+1), scaled inputs (3 x N), interval lengths (N), lateral slack of nodes 1..N [m] and slack
@@ -55,7 +55,7 @@ def problem(horizon: int = HORIZON) -> Problem:
         "g": ca.vertcat(gaps.gaps, ends),
         "p": ca.veccat(steps, before, weights, kappa, c),
     }
-    return Problem(nlp, with_derivatives(nlp, gaps, ends))
+    return LocalProblem(nlp, with_derivatives(nlp, gaps, ends))
 
 
 def _softening(N: int) -> ca.DM:
