@@ -28,8 +28,6 @@ class AssumedCar:
     wheel_inertia: float
     spring_front: float
     spring_rear: float
-    damper_front: float
-    damper_rear: float
     anti_roll_front: float
     anti_roll_rear: float
     tyre_stiffness: float

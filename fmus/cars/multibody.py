@@ -38,8 +38,6 @@ def assumed_car(v: Values) -> AssumedCar:
         wheel_inertia=v["wheel.inertia.spin"],
         spring_front=v["suspension.front.stiffness"],
         spring_rear=v["suspension.rear.stiffness"],
-        damper_front=v["suspension.front.damping"],
-        damper_rear=v["suspension.rear.damping"],
         anti_roll_front=v["suspension.front.anti_roll"],
         anti_roll_rear=v["suspension.rear.anti_roll"],
         tyre_stiffness=v["tyre.vertical_stiffness"],

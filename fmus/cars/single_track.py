@@ -15,11 +15,6 @@ class Tyre:
     D: float
     E: float
 
-    @property
-    def cornering_stiffness(self) -> float:
-        """Slope BCD [N/rad] at zero slip."""
-        return self.B * self.C * self.D
-
 
 @dataclass(frozen=True, slots=True)
 class SingleTrackCar:

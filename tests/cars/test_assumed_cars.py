@@ -17,6 +17,7 @@ from fmus.cars.nominal import DESIGN, plant_values
 from fmus.cars.single_track import SingleTrackCar, Tyre
 from fmus.planner.planned_cars import multibody
 from fmus.single_track.forces import lateral
+from tests.references.steady_turn import cornering_stiffness
 
 _LIGHT = "import sys, fmus; print(*sorted({'numpy', 'scipy', 'casadi'} & sys.modules.keys()))"
 
@@ -63,5 +64,5 @@ def test_part_of_the_grip(part: float) -> None:
     less, symbolic = with_grip(car, part), with_grip(car, mu)
     for tyre, before, at in ((less.front, car.front, symbolic.front), (less.rear, car.rear, symbolic.rear)):
         assert part * before.D == tyre.D
-        assert tyre.cornering_stiffness == pytest.approx(before.cornering_stiffness)
+        assert cornering_stiffness(tyre) == pytest.approx(cornering_stiffness(before))
         assert float(ca.evalf(ca.substitute(at.D, mu, part))) == tyre.D

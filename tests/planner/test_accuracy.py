@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from fmus.cars.published import single_track
-from fmus.planner.hocp import Grid, PlanSettings, plan, refine
+from fmus.planner.hocp import Grid, PlanSettings, plan
 from fmus.planner.road import double_lane_change
 from fmus.planner.vehicle import two_wheel_drive
 from tests.references.collocation import final_time
+from tests.references.refinement import refine
 
 CAR = two_wheel_drive(single_track())
 ROAD = double_lane_change()

@@ -30,6 +30,7 @@ from fmus.planner.road import double_lane_change
 from fmus.planner.vehicle import two_wheel_drive
 from tests.references.gear_shift import gear_shift_car
 from tests.references.gerdts_form import gerdts
+from tests.references.refinement import refine
 
 CAR = two_wheel_drive(single_track())
 INTERPRETED = PlanSettings(compile=False)
@@ -136,8 +137,7 @@ def test_closed_road_ends_as_it_begins() -> None:
 
 
 def test_refinement_warm_starts() -> None:
-    coarse = plan(CAR, double_lane_change(), 20, settings=INTERPRETED)
-    warm = plan(CAR, double_lane_change(), 40, settings=INTERPRETED, start=coarse.nodes)
+    coarse, warm = refine(CAR, double_lane_change(), (20, 40), INTERPRETED)
     cold = plan(CAR, double_lane_change(), 40, settings=INTERPRETED)
     assert warm.final_time == pytest.approx(cold.final_time, abs=1e-5)
     assert warm.violation < coarse.violation

@@ -15,7 +15,7 @@ from fmus.double_track import model as double_track
 from fmus.single_track import model
 from tests.references import gear_shift
 from tests.references.gerdts_form import gerdts
-from tests.references.steady_turn import understeer_gradient
+from tests.references.steady_turn import cornering_stiffness, understeer_gradient
 
 CAR = published.single_track()
 MIRROR = np.array([1, 1, 1, -1, 1, 1, 1])
@@ -38,8 +38,8 @@ def test_published_friction_and_understeer() -> None:
     assert CAR.static_loads == pytest.approx((6515, 5640), abs=1)
     for tyre, load in zip((CAR.front, CAR.rear), CAR.static_loads, strict=True):
         assert tyre.D / load == pytest.approx(0.7, abs=1e-4)
-    assert CAR.front.cornering_stiffness == pytest.approx(64977, abs=1)
-    assert CAR.rear.cornering_stiffness == pytest.approx(65024, abs=1)
+    assert cornering_stiffness(CAR.front) == pytest.approx(64977, abs=1)
+    assert cornering_stiffness(CAR.rear) == pytest.approx(65024, abs=1)
     assert understeer_gradient(CAR) == pytest.approx(1.38e-3, abs=5e-6)
 
 
