@@ -16,7 +16,7 @@ from typing import Any
 from benchmarks.planning_peers import CAR, ENDS, HOW, ROAD, Run, fatrop, opti
 from fmus.planner import compiled, gate_grid, guess, time_grid
 from fmus.planner.hocp import Grid
-from fmus.planner.program import Nodes, Program
+from fmus.planner.program import Nodes, NonlinearProgram
 from fmus.planner.search import ipopt_options
 
 ROUNDS = 7
@@ -76,7 +76,7 @@ def _timed(run: Run, rounds: int) -> Timed:
     return Timed(median(wall), max(wall), median(processor), median(own), int(stats["iter_count"]), final_time)
 
 
-def _program(grid: Grid, m: int) -> tuple[Program, Nodes]:
+def _program(grid: Grid, m: int) -> tuple[NonlinearProgram, Nodes]:
     """Our program and where the search begins."""
     gates = ROAD.gates(m)
     first = guess.along_gates(CAR, gates, ENDS)
@@ -86,7 +86,7 @@ def _program(grid: Grid, m: int) -> tuple[Program, Nodes]:
     return program, guess.on_equal_times(first)
 
 
-def _planner(program: Program, first: Nodes, *, compile_: bool) -> Run:
+def _planner(program: NonlinearProgram, first: Nodes, *, compile_: bool) -> Run:
     options = ipopt_options(HOW.max_iterations, HOW.tolerance, warm=False)
     solver = compiled.solver(program, options, compile_=compile_)
     if compile_ and solver.how != "compiled":

@@ -8,15 +8,15 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from fmus.cars.published import single_track
 from fmus.planner.gates import Array
-from fmus.planner.hocp import Settings
+from fmus.planner.hocp import PlanSettings
 from fmus.planner.program import Nodes, standing_ends, state_bounds
 from fmus.planner.road import double_lane_change
 from fmus.planner.shooting import interval
 from fmus.planner.vehicle import two_wheel_drive
-from fmus.single_track.data import car
 
-ROAD, CAR, ENDS, HOW = double_lane_change(), two_wheel_drive(car()), standing_ends(), Settings()
+ROAD, CAR, ENDS, HOW = double_lane_change(), two_wheel_drive(single_track()), standing_ends(), PlanSettings()
 
 Run = Callable[[], tuple[dict[str, Any], float]]
 """A solution: the solver's statistics and the end time [s]."""

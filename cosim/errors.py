@@ -6,10 +6,12 @@ import difflib
 import re
 from collections.abc import Iterable
 
+from fmukit.errors import UserError
+
 _NUMBERED = re.compile(r".*\[errno \d+\] ", re.IGNORECASE)
 
 
-class CosimError(Exception):
+class CosimError(UserError):
     """A mistake in what the user asked for, or a file that cannot be used; the text is one sentence for the user."""
 
 

@@ -1,11 +1,11 @@
-"""What can go wrong and is the user's to put right."""
+"""What the user can put right."""
 
 from __future__ import annotations
 
 
 class UserError(Exception):
-    """Something the user can put right; the message is one sentence saying what to do."""
+    """A mistake of the user; the message is one sentence, which the command lines print before exit status 2."""
 
 
 class BuildError(UserError):
-    """The FMU cannot be built."""
+    """The FMU cannot be built; the message is one sentence saying what to do."""

@@ -11,10 +11,11 @@ from typing import Annotated, Any
 import typer
 from rich.table import Table
 
-from cosim.command.terminal import console_of, notices
+from cosim.command.terminal import notices
 from cosim.errors import CosimError
 from cosim.scenario.definition import Scenario
 from cosim.scenario.discovery import load, names
+from fmukit.console import console_of
 
 
 def list_command(as_json: Annotated[bool, typer.Option("--json", help="Print JSON only.")] = False) -> None:

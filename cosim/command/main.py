@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import NoReturn
 
-from cosim.errors import CosimError, RunFailedError, RunInterruptedError
+from cosim.errors import RunFailedError, RunInterruptedError
 from fmukit.command_line import INTERRUPTED, MISTAKE, Application, Subcommand, run
 from fmukit.errors import UserError
 from fmukit.installed_commands import installed
@@ -23,7 +23,6 @@ APPLICATION = Application(
         Subcommand("export", "Write a scenario as SSP 1.0, for other tools.", "cosim.command.export:export_command"),
     ),
     told={
-        CosimError: MISTAKE,
         UserError: MISTAKE,
         RunInterruptedError: INTERRUPTED,
         RunFailedError: FAILED,

@@ -11,7 +11,7 @@ import typer
 from cosim.command.explain import explanation
 from cosim.command.options import Assignments, Events, Name, Seed, StopTime
 from cosim.command.show import show
-from cosim.command.terminal import console_of, notices, progress
+from cosim.command.terminal import notices, progress
 from cosim.engine.schedule import Scheme
 from cosim.errors import RunFailedError, RunInterruptedError, because
 from cosim.model.system import parse_assignments, parse_events
@@ -20,6 +20,7 @@ from cosim.run.prepare import RunPlan
 from cosim.run.request import Request
 from cosim.run.running import OVERVIEW, Finished, run
 from cosim.scenario.discovery import load
+from fmukit.console import console_of
 
 
 def run_command(

@@ -7,9 +7,9 @@ from pathlib import Path
 
 from rich.table import Table
 
-from cosim.command.terminal import console_of
 from cosim.results.summary import Summary
 from cosim.scenario.metric import Metric
+from fmukit.console import console_of
 
 
 def show(summary: Summary, folder: Path) -> None:

@@ -16,12 +16,6 @@ from cosim.model.clock import to_seconds
 _REFRESH = 0.1  # [s] of wall time between two updates of the progress bar
 
 
-def console_of(*, stderr: bool = False) -> Console:
-    """A console that does not squeeze tables when its output goes to a file."""
-    console = Console(highlight=False, stderr=stderr)
-    return console if console.is_terminal else Console(highlight=False, stderr=stderr, width=160)
-
-
 class _Notices(logging.Handler):
     """One line on whatever stderr is at the time."""
 

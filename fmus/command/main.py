@@ -14,6 +14,11 @@ APPLICATION = Application(
         Subcommand("list", "Show the catalogue: name, kind, step and ports of every FMU.", "fmus.command.list:show"),
         Subcommand("build", "Build FMUs into a folder and print their paths.", "fmus.command.build:build"),
         Subcommand(
+            "plan",
+            "Plan the time-optimal motion along a road; ReferenceTrajectory plays the file.",
+            "fmus.planner.command:plan_command",
+        ),
+        Subcommand(
             "check",
             "Check FMI 2.0 co-simulation FMUs: archive, model description, life cycle, behaviour, isolation.",
             "fmukit.conformance.command:check_files",

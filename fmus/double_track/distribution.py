@@ -13,8 +13,8 @@ from typing import Any, Protocol
 
 import casadi as ca
 
+from fmus.cars.double_track import DoubleTrackCar
 from fmus.clip import clip
-from fmus.double_track.data import DoubleTrackCar
 from fmus.double_track.model import motion
 
 N = 1e3

@@ -11,12 +11,10 @@ from typing import Any
 import casadi as ca
 
 from fmukit.kernel import Layout, Signals
+from fmus.cars.double_track import DoubleTrackCar, double_track_car
 from fmus.cars.wheels import WHEELS
 from fmus.clip import clip
-from fmus.double_track import data
-from fmus.double_track.data import DoubleTrackCar
 from fmus.double_track.model import wheel_loads
-from fmus.single_track import data as planar
 from fmus.single_track.forces import air_drag, ellipse, lateral, rolling_coefficient
 from fmus.vehicle16dof.friction import dry
 
@@ -48,14 +46,9 @@ class Motion:
     V_x: ca.SX
 
 
-def car(parameters: Signals) -> DoubleTrackCar:
-    """The car of the parameters: its numbers are symbols."""
-    return data.of(parameters, planar.of(parameters))
-
-
 def evaluate(p: Signals, u: Signals, x: dict[str, ca.SX]) -> Motion:
     """Everything instantaneous about the car in state x under the inputs u."""
-    c = car(p)
+    c = double_track_car(p)
     F_z = ca.fmax(wheel_loads(c, x["transfer"][0], x["transfer"][1]), c.least_load)
     steer = ca.vertcat(x["steer"], x["steer"], 0, 0)
     cos, sin = ca.cos(steer), ca.sin(steer)

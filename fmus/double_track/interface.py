@@ -5,12 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from fmukit.interface import AXES, Variable, continuous, group, input_, load_parameters, output
+from fmus.cars import published
 from fmus.cars.wheels import FRONT, WHEELS
 
 MAX_SUBSTEP = 0.001
 PLANE = AXES[:2]
-_HERE = Path(__file__).parent
-_FILES = (_HERE.parent / "single_track" / "parameters.toml", _HERE / "parameters.toml", _HERE / "plant.toml")
 
 _INPUTS: list[Variable] = [
     *group(
@@ -48,5 +47,10 @@ INTERFACE = continuous(
     "Planar car with four driven wheels, load transfer and a steering actuator",
     step=0.001,
     max_substep=MAX_SUBSTEP,
-    variables=[*(variable for path in _FILES for variable in load_parameters(path)), *_INPUTS, *_OUTPUTS],
+    variables=[
+        *published.double_track_parameters(),
+        *load_parameters(Path(__file__).with_name("parameters.toml")),
+        *_INPUTS,
+        *_OUTPUTS,
+    ],
 )

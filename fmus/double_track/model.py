@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from fmus.double_track.data import DoubleTrackCar
+from fmus.cars.double_track import DoubleTrackCar
 from fmus.single_track.forces import STATES, air_drag, ellipse, lateral, planar_motion, rolling_coefficient
 
 INPUTS = ("omega_delta", "U_FL", "U_FR", "U_RL", "U_RR")

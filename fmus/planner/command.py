@@ -1,24 +1,28 @@
-"""`cosim plan`: the time-optimal motion along a road as a trajectory file."""
+"""`fmus plan`: the time-optimal motion along a road as a trajectory file."""
 
 from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Mapping
 from enum import StrEnum
+from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 import typer
 
-from cosim.errors import CosimError
-from fmus.planner.evasion import command as avoidance_cli
+from fmukit.errors import UserError
+from fmus.cars.double_track import DoubleTrackCar
+from fmus.cars.wheels import WHEELS
+from fmus.planner import files, forces, plans, trajectory
+from fmus.planner.errors import PlanningError
+from fmus.planner.evasion import command as avoidance
+from fmus.planner.hocp import Plan
+from fmus.planner.planned_cars import CARS
 
-if TYPE_CHECKING:
-    from fmus.double_track.data import DoubleTrackCar
-    from fmus.planner.hocp import Plan
 
-
-class Wheel(StrEnum):
+class WheelName(StrEnum):
     """What a user may name; a list of choices has to be an enumeration."""
 
     fl = "fl"
@@ -43,38 +47,47 @@ def plan_command(
         Literal["doubletrack", "vehicle16dof"], typer.Option(help="The plant the plan is for, with its start values.")
     ] = "doubletrack",
     file: Annotated[Path | None, typer.Option("-o", "--output", help="The file; NAME-plan.csv if left out.")] = None,
-    forces: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Also write states, inputs and wheel forces to this file.")
+    forces_file: Annotated[
+        Path | None,
+        typer.Option("--forces", metavar="FILE", help="Also write states, inputs and wheel forces to this file."),
     ] = None,
-    lost_motor: Annotated[list[Wheel] | None, typer.Option(help="A motor lost in --forces; repeatable.")] = None,
+    lost_motor: Annotated[list[WheelName] | None, typer.Option(help="A motor lost in --forces; repeatable.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the figures as JSON and nothing else.")] = False,
 ) -> None:
     """Plan the time-optimal motion along a road; ReferenceTrajectory plays the file.
 
     collision-avoidance is the table of the last points to brake and to steer; -o writes it as CSV.
     """
-    if name == avoidance_cli.NAME:
-        avoidance_cli.avoidance_command(file, _given(context), as_json=as_json)
+    if name == avoidance.NAME:
+        avoidance.avoidance_command(file, _given(context), as_json=as_json)
         return
-    from fmus.planner import files, plans, trajectory  # noqa: PLC0415  (lazy: `--help` answers at once)
-    from fmus.planner.cars import CARS  # noqa: PLC0415
-    from fmus.planner.errors import PlanningError  # noqa: PLC0415
-
-    if lost_motor and forces is None:
-        raise CosimError("--lost-motor changes the wheel forces only; name their file with --forces")
+    if lost_motor and forces_file is None:
+        raise UserError("--lost-motor changes the wheel forces only; name their file with --forces")
     target, planned = file if file is not None else Path(f"{Path(name).stem}-plan.csv"), CARS[car]()
     try:
         road = None if name in plans.ROADS else Path(name)
-        files.check_outputs([target] if forces is None else [target, forces], road)
+        files.check_outputs([target] if forces_file is None else [target, forces_file], road)
         found = plans.named(name, m, grid, speed, planned.vehicle)
         trajectory.write(found, target)
         figures = _figures(found, target)
-        if forces is not None:
-            figures |= _written_forces(found, planned.whole, lost_motor or [], forces)
+        if forces_file is not None:
+            figures |= _written_forces(found, planned.whole, lost_motor or [], forces_file)
     except PlanningError as error:
-        raise CosimError(str(error)) from error
+        raise UserError(str(error)) from error
+    _print(figures, as_json=as_json)
+
+
+@wraps(plan_command)
+def alias(*arguments: Any, **options: Any) -> None:
+    """`cosim plan`, its former name: the same, with a remark."""
+    print("fmus: `cosim plan` is `fmus plan` now", file=sys.stderr)
+    plan_command(*arguments, **options)
+
+
+def _print(figures: Mapping[str, Any], *, as_json: bool) -> None:
+    """The figures on stdout, what to know of a poor plan on stderr."""
     for remark in plans.remarks(*(figures[key] for key in ("violation", "replay_error", "residual", "status"))):
-        print(f"cosim: {remark}", file=sys.stderr)
+        print(f"fmus: {remark}", file=sys.stderr)
     if as_json:
         print(json.dumps(figures, indent=2))
         return
@@ -111,11 +124,8 @@ def _figures(plan: Plan, target: Path) -> dict[str, Any]:
     }
 
 
-def _written_forces(plan: Plan, car: DoubleTrackCar, lost: list[Wheel], target: Path) -> dict[str, Any]:
+def _written_forces(plan: Plan, car: DoubleTrackCar, lost: list[WheelName], target: Path) -> dict[str, Any]:
     """Write the forces; what the wheel forces miss of the planned forces [N] and the planned moment [N.m]."""
-    from fmus.cars.wheels import WHEELS  # noqa: PLC0415
-    from fmus.planner import forces  # noqa: PLC0415
-
     found = forces.along(plan, car, available=[0.0 if wheel in lost else 1.0 for wheel in WHEELS])
     forces.write(found, target)
     figures: dict[str, Any] = {}

@@ -13,7 +13,7 @@ from fmukit.compiling import compiler, functions
 from fmukit.errors import BuildError
 from fmukit.python_kernel import nlp_functions
 from fmukit.store import kept
-from fmus.planner.program import Program
+from fmus.planner.program import NonlinearProgram
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +25,7 @@ class Solver:
     build_time: float
 
 
-def solver(program: Program, options: dict[str, Any], *, compile_: bool = True) -> Solver:
+def solver(program: NonlinearProgram, options: dict[str, Any], *, compile_: bool = True) -> Solver:
     """The solver, compiled if asked for and possible; without a compiler CasADi's virtual machine, saying so."""
     start = perf_counter()
     how = "interpreted"
@@ -38,7 +38,7 @@ def solver(program: Program, options: dict[str, Any], *, compile_: bool = True) 
     return Solver(call, how, perf_counter() - start)
 
 
-def _load(program: Program, options: dict[str, Any]) -> ca.Function:
+def _load(program: NonlinearProgram, options: dict[str, Any]) -> ca.Function:
     platform = compiler.host_platform()
 
     def make() -> bytes:
@@ -52,7 +52,7 @@ def _load(program: Program, options: dict[str, Any]) -> ca.Function:
         raise BuildError(f"{path} cannot be loaded; may programs be run from that folder?") from error
 
 
-def _key(program: Program, platform: str) -> str:
+def _key(program: NonlinearProgram, platform: str) -> str:
     """Of the program itself, so that other numbers anywhere in it mean another library."""
     text = ca.Function("nlp", program.nlp, ["x", "p"], ["f", "g"]).serialize()
     text += "".join(function.serialize() for function in program.derivatives.values())

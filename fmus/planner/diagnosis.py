@@ -24,7 +24,7 @@ _SAME = 1e-2
 FINE = 40
 """Intervals to try when there is no plan on less than half as many (engineering choice)."""
 
-Search = Callable[[Ends, Gates], Ends]
+Remedy = Callable[[Ends, Gates], Ends]
 """(prescribed ends, gates) -> the ends of a plan with these. Raises SearchError when none is found."""
 
 
@@ -39,7 +39,7 @@ def check_ends(vehicle: Vehicle, gates: Gates, ends: Ends) -> None:
 
 
 def explained(
-    failure: SearchError, ends: Ends, gates: Gates, search: Search, finer: Gates | None = None
+    failure: SearchError, ends: Ends, gates: Gates, search: Remedy, finer: Gates | None = None
 ) -> PlanningError:
     """The failure with what would do instead: a finer mesh, the least part of the ends that must give way, or the road.
 

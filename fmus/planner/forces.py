@@ -15,10 +15,11 @@ import numpy as np
 import osqp
 from scipy import sparse
 
+from fmus.cars.double_track import DoubleTrackCar
+from fmus.cars.single_track import SingleTrackCar
 from fmus.cars.wheels import WHEELS
 from fmus.controllers.mpc_allocator.interface import INTERFACE
 from fmus.double_track import distribution
-from fmus.double_track.data import DoubleTrackCar
 from fmus.double_track.distribution import Limits, Weights
 from fmus.double_track.model import motion
 from fmus.planner import check
@@ -26,7 +27,6 @@ from fmus.planner.errors import PlanningError
 from fmus.planner.files import write_table
 from fmus.planner.gates import Array
 from fmus.planner.hocp import Plan
-from fmus.single_track.data import Car
 from fmus.single_track.forces import STATES
 
 _Y = ("force_x", "force_y", "moment_z")
@@ -116,7 +116,7 @@ def _starts() -> dict[str, float | bool | str]:
     return {variable.name: variable.start for variable in INTERFACE.select("parameter")}
 
 
-def _wanted(car: Car, f: ca.Function) -> ca.Function:
+def _wanted(car: SingleTrackCar, f: ca.Function) -> ca.Function:
     """(x, u) -> y* (3): the body forces and the moment behind x' of the planned car, planar motion inverted."""
     x, u = ca.SX.sym("x", f.size1_in(0)), ca.SX.sym("u", f.size1_in(1))
     rate = f(x, u)

@@ -10,7 +10,7 @@ import numpy as np
 
 from fmus.planner.blocks import shots, with_derivatives
 from fmus.planner.gates import Array, Gates
-from fmus.planner.program import Ends, Program, decision, limits, roughness, scaled, state_bounds
+from fmus.planner.program import Ends, NonlinearProgram, decision, limits, roughness, scaled, state_bounds
 from fmus.planner.vehicle import Vehicle
 
 _SHORTEST, _LONGEST = 1e-3, 2.0
@@ -19,7 +19,7 @@ _SPEED, _TURN = 2, 1.2
 """The state that is the speed; largest angle of the car to the road [rad]."""
 
 
-def program(vehicle: Vehicle, gates: Gates, ends: Ends, *, substeps: int, smoothing: float) -> Program:
+def program(vehicle: Vehicle, gates: Gates, ends: Ends, *, substeps: int, smoothing: float) -> NonlinearProgram:
     """Minimise the sum of the interval lengths plus `smoothing` times the roughness of the inputs."""
     m = len(gates.frames) - 1
     s, steps = decision(vehicle, m, m), ca.MX.sym("steps", 3, m)
@@ -33,7 +33,7 @@ def program(vehicle: Vehicle, gates: Gates, ends: Ends, *, substeps: int, smooth
     lower, upper = _bounds(vehicle, gates, ends)
     free = np.zeros(g.numel())
     least = np.concatenate([np.zeros(g.numel() - own.numel()), np.full(own.numel(), -np.inf)])
-    return Program(
+    return NonlinearProgram(
         nlp, lower, upper, least, free, gates.steps.ravel(), gates.frames, vehicle, m, with_derivatives(nlp, gaps, rest)
     )
 

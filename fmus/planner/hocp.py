@@ -13,9 +13,9 @@ from fmus.planner.diagnosis import FINE, check_ends, explained
 from fmus.planner.errors import PlanningError, SearchError
 from fmus.planner.frames import into_frames
 from fmus.planner.gates import Array, Gates
-from fmus.planner.program import Ends, Nodes, Program, standing_ends
+from fmus.planner.program import Ends, Nodes, NonlinearProgram, standing_ends
 from fmus.planner.road import Corridor
-from fmus.planner.search import Found, ipopt_options, search
+from fmus.planner.search import Solution, ipopt_options, search
 from fmus.planner.vehicle import Vehicle
 
 Grid = Literal["gate", "time"]
@@ -37,7 +37,7 @@ class Road(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Settings:
+class PlanSettings:
     """How to plan: `substeps` of the integrator per interval, weight of the input changes, search limits."""
 
     grid: Grid = "gate"
@@ -83,7 +83,7 @@ def plan(
     road: Road,
     m: int,
     ends: Ends | None = None,
-    settings: Settings | None = None,
+    settings: PlanSettings | None = None,
     *,
     start: Nodes | None = None,
 ) -> Plan:
@@ -91,7 +91,7 @@ def plan(
 
     Raises PlanningError when the road, the ends or the search leave none.
     """
-    ends, settings = ends or standing_ends(), settings or Settings()
+    ends, settings = ends or standing_ends(), settings or PlanSettings()
     if m < 2:
         raise PlanningError(f"a plan needs at least 2 intervals, not {m}")
     gates = road.gates(m)
@@ -99,7 +99,7 @@ def plan(
     check_ends(vehicle, gates, ends)
     check_bends(vehicle, gates)
 
-    def attempt(limit: int, other: Ends, on: Gates) -> Found:
+    def attempt(limit: int, other: Ends, on: Gates) -> Solution:
         first = _guess(vehicle, on, other, settings, start)
         options = ipopt_options(limit, settings.tolerance, warm=start is not None)
         return search(_program(vehicle, road, on, other, settings), first, options, compile_=settings.compile)
@@ -114,16 +114,6 @@ def plan(
         raise explained(failure, ends, gates, remedy, road.gates(FINE) if m < FINE // 2 else None) from None
 
 
-def refine(
-    vehicle: Vehicle, road: Road, meshes: tuple[int, ...], ends: Ends | None = None, settings: Settings | None = None
-) -> list[Plan]:
-    """Plans on finer and finer meshes, each beginning at the one before."""
-    plans: list[Plan] = []
-    for m in meshes:
-        plans.append(plan(vehicle, road, m, ends, settings, start=plans[-1].nodes if plans else None))
-    return plans
-
-
 def _check_spacing(gates: Gates) -> None:
     lengths = np.hypot(*gates.steps[:, :2].T)
     if lengths.max() > _FARTHEST:
@@ -133,12 +123,12 @@ def _check_spacing(gates: Gates) -> None:
         )
 
 
-def _guess(vehicle: Vehicle, gates: Gates, ends: Ends, settings: Settings, start: Nodes | None) -> Nodes:
+def _guess(vehicle: Vehicle, gates: Gates, ends: Ends, settings: PlanSettings, start: Nodes | None) -> Nodes:
     nodes = guess.along_gates(vehicle, gates, ends) if start is None else guess.refined(start, len(gates.frames) - 1)
     return guess.on_equal_times(nodes) if settings.grid == "time" else nodes
 
 
-def _plan(vehicle: Vehicle, road: Road, settings: Settings, found: Found) -> Plan:
+def _plan(vehicle: Vehicle, road: Road, settings: PlanSettings, found: Solution) -> Plan:
     points = check.fine(vehicle, found.nodes, settings.substeps)[1][:2].T
     return Plan(
         vehicle=vehicle,
@@ -154,7 +144,7 @@ def _plan(vehicle: Vehicle, road: Road, settings: Settings, found: Found) -> Pla
     )
 
 
-def _program(vehicle: Vehicle, road: Road, gates: Gates, ends: Ends, settings: Settings) -> Program:
+def _program(vehicle: Vehicle, road: Road, gates: Gates, ends: Ends, settings: PlanSettings) -> NonlinearProgram:
     if settings.grid == "gate":
         return gate_grid.program(vehicle, gates, ends, substeps=settings.substeps, smoothing=settings.smoothing)
     if not isinstance(road, Corridor):

@@ -7,15 +7,15 @@ import math
 from collections.abc import Callable
 from pathlib import Path
 
+from fmus.cars import published
 from fmus.controllers.reference.interface import ROWS
 from fmus.planner import hocp
 from fmus.planner.errors import PlanningError
-from fmus.planner.hocp import Grid, Plan, Settings
+from fmus.planner.hocp import Grid, Plan, PlanSettings
 from fmus.planner.path_road import read_road
 from fmus.planner.program import standing_ends
 from fmus.planner.road import Corridor, double_lane_change
 from fmus.planner.vehicle import Vehicle, two_wheel_drive
-from fmus.single_track.data import car
 
 ROADS: dict[str, Callable[[], Corridor]] = {
     "double-lane-change": double_lane_change,
@@ -37,8 +37,8 @@ def named(name: str, m: int, grid: Grid, speed: float, vehicle: Vehicle | None =
         raise PlanningError(
             f"a plan on {m} intervals has more rows than ReferenceTrajectory takes; the most is {ROWS - 1}"
         )
-    ends = standing_ends(speed)
-    return hocp.plan(vehicle or two_wheel_drive(car()), _road(name), m, ends, Settings(grid=grid))
+    vehicle = vehicle or two_wheel_drive(published.single_track())
+    return hocp.plan(vehicle, _road(name), m, standing_ends(speed), PlanSettings(grid=grid))
 
 
 def remarks(violation: float, replay_error: float, residual: float, status: str) -> list[str]:

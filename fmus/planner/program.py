@@ -54,7 +54,7 @@ class Symbols:
 
 
 @dataclass(frozen=True, slots=True)
-class Program:
+class NonlinearProgram:
     """`nlp` in scaled variables with their bounds; `origin` (m+1, 3): frames the states are written in.
 
     `derivatives`: options `jac_g` and `hess_lag` of CasADi's solvers, which without them find their own.

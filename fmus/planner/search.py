@@ -11,11 +11,11 @@ import numpy as np
 from fmus.planner import compiled
 from fmus.planner.errors import SearchError
 from fmus.planner.gates import Array
-from fmus.planner.program import Nodes, Program
+from fmus.planner.program import Nodes, NonlinearProgram
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class Solution:
     """A solution and what it cost: `build_time`, `solve_time` [s], `how` the derivatives were evaluated.
 
     `residual`: largest violation of a constraint of the program, in scaled units.
@@ -30,7 +30,7 @@ class Found:
     residual: float
 
 
-def search(program: Program, first: Nodes, options: dict[str, Any], *, compile_: bool) -> Found:
+def search(program: NonlinearProgram, first: Nodes, options: dict[str, Any], *, compile_: bool) -> Solution:
     """The solution that IPOPT finds from `first`; raises SearchError when it finds none."""
     solver = compiled.solver(program, options, compile_=compile_)
     before = perf_counter()
@@ -48,7 +48,7 @@ def search(program: Program, first: Nodes, options: dict[str, Any], *, compile_:
     violation = np.maximum(program.g_lower - g, g - program.g_upper)
     if not stats["success"]:
         raise SearchError(status, iterations, _worst_interval(program, violation))
-    return Found(
+    return Solution(
         nodes=program.unpack(found["x"].full().ravel()),
         status=status,
         iterations=iterations,
@@ -73,7 +73,7 @@ def ipopt_options(max_iterations: int, tolerance: float, *, warm: bool) -> dict[
     return {"ipopt": ipopt, "print_time": False, "calc_lam_p": False, "error_on_fail": False}
 
 
-def _worst_interval(program: Program, violation: Array) -> int:
+def _worst_interval(program: NonlinearProgram, violation: Array) -> int:
     """Where the motion breaks most: the gaps come first among the constraints, interval by interval."""
     n, m = len(program.vehicle.scale), len(program.origin) - 1
     return int(np.argmax(np.abs(np.nan_to_num(violation[: n * m], nan=np.inf)).reshape(m, n).max(axis=1)))

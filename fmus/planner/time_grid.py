@@ -7,14 +7,16 @@ import numpy as np
 
 from fmus.planner.blocks import shots, with_derivatives
 from fmus.planner.gates import Array
-from fmus.planner.program import Ends, Program, decision, limits, roughness, scaled, state_bounds
+from fmus.planner.program import Ends, NonlinearProgram, decision, limits, roughness, scaled, state_bounds
 from fmus.planner.road import Corridor
 from fmus.planner.vehicle import Vehicle
 
 _SHORTEST, _LONGEST = 1.0, 60.0
 
 
-def program(vehicle: Vehicle, road: Corridor, m: int, ends: Ends, *, substeps: int, smoothing: float) -> Program:
+def program(
+    vehicle: Vehicle, road: Corridor, m: int, ends: Ends, *, substeps: int, smoothing: float
+) -> NonlinearProgram:
     """Minimise the end time plus `smoothing` times the roughness of the inputs; the variable is T = end time / m."""
     s = decision(vehicle, m, 1)
     gaps = shots(vehicle, s, ca.DM.zeros(3, m), substeps)
@@ -27,7 +29,7 @@ def program(vehicle: Vehicle, road: Corridor, m: int, ends: Ends, *, substeps: i
     equalities = gaps.gaps.numel()
     least = np.concatenate([np.zeros(equalities), np.full(g.numel() - equalities, -np.inf)])
     frames, exact = np.zeros((m + 1, 3)), with_derivatives(nlp, gaps, rest)
-    return Program(nlp, lower, upper, least, np.zeros(g.numel()), np.zeros(0), frames, vehicle, 1, exact)
+    return NonlinearProgram(nlp, lower, upper, least, np.zeros(g.numel()), np.zeros(0), frames, vehicle, 1, exact)
 
 
 def _beside(road: Corridor) -> ca.Function:

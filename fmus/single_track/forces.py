@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from fmus.single_track.data import Car, Tyre
+from fmus.cars.single_track import SingleTrackCar, Tyre
 
 STATES = ("x", "y", "v", "beta", "psi", "omega_z", "delta")
 """Position [m], speed [m/s], sideslip [rad] (> 0: the velocity points left), yaw, yaw rate, steering angle."""
@@ -24,18 +24,18 @@ def ellipse(U: ca.SX, F_z: ca.SX | float, friction: ca.SX | float) -> ca.SX:
     return ca.sqrt(ca.fmax(1 - (U / (friction * F_z)) ** 2, 0) + _FLOOR)
 
 
-def rolling_coefficient(car: Car, v: ca.SX) -> ca.SX:
+def rolling_coefficient(car: SingleTrackCar, v: ca.SX) -> ca.SX:
     """f_r(v), thesis eq. (3.6), v in m/s."""
     constant, linear, quartic = car.rolling
     return constant + linear * v + quartic * v**4
 
 
-def air_drag(car: Car, v: ca.SX) -> ca.SX:
+def air_drag(car: SingleTrackCar, v: ca.SX) -> ca.SX:
     """F_a [N]."""
     return car.drag * v**2
 
 
-def planar_motion(car: Car, x: ca.SX, omega_delta: ca.SX, load: tuple[ca.SX, ca.SX, ca.SX]) -> ca.SX:
+def planar_motion(car: SingleTrackCar, x: ca.SX, omega_delta: ca.SX, load: tuple[ca.SX, ca.SX, ca.SX]) -> ca.SX:
     """x' (7) of the states under steering rate [rad/s] and load: body-frame F_x, F_y [N] and moment M_z [N.m]."""
     F_x, F_y, M_z = load
     _, _, v, beta, psi, omega_z, _ = ca.vertsplit(x)

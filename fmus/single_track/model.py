@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import casadi as ca
 
-from fmus.single_track.data import Car
+from fmus.cars.single_track import SingleTrackCar
 from fmus.single_track.forces import STATES, air_drag, ellipse, lateral, planar_motion, rolling_coefficient
 
 INPUTS = ("omega_delta", "U_F", "U_R")
 """Steering rate [rad/s], drive (> 0) or brake force of the front and of the rear axle [N]."""
 
 
-def slips(car: Car, x: ca.SX) -> tuple[ca.SX, ca.SX]:
+def slips(car: SingleTrackCar, x: ca.SX) -> tuple[ca.SX, ca.SX]:
     """alpha_F, alpha_R [rad], thesis eqs. (3.3), (3.4), the latter with l_R."""
     _, _, v, beta, _, omega_z, delta = ca.vertsplit(x)
     v_x, v_y = v * ca.cos(beta), v * ca.sin(beta)
     return delta - ca.atan((v_y + car.l_F * omega_z) / v_x), ca.atan((car.l_R * omega_z - v_y) / v_x)
 
 
-def derivative(car: Car, x: ca.SX, u: ca.SX, friction: ca.SX | float | None = None) -> ca.SX:
+def derivative(car: SingleTrackCar, x: ca.SX, u: ca.SX, friction: ca.SX | float | None = None) -> ca.SX:
     """x' (7); with `friction` the lateral forces shrink by the friction ellipse."""
     v, delta = x[2], x[6]
     loads, U = car.static_loads, (u[1], u[2])
@@ -34,7 +34,7 @@ def derivative(car: Car, x: ca.SX, u: ca.SX, friction: ca.SX | float | None = No
     return planar_motion(car, x, u[0], (F_x, F_y_front + F_t[1], M_z))
 
 
-def function(car: Car, friction: float | None = None) -> ca.Function:
+def function(car: SingleTrackCar, friction: float | None = None) -> ca.Function:
     """f(x, u) -> x_dot."""
     x, u = ca.SX.sym("x", len(STATES)), ca.SX.sym("u", len(INPUTS))
     x_dot = ca.cse(derivative(car, x, u, friction))

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from cosim.model.signals import Vector
 from cosim.errors import CosimError
+from cosim.model.signals import Vector
 from cosim.results.reading import Results
 from scenarios.arbitrary_path import road as _arbitrary_road
 from scenarios.shared.mpc_metrics import mpc_metrics

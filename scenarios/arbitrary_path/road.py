@@ -12,7 +12,7 @@ from scenarios.shared.plans import planned
 
 if TYPE_CHECKING:
     from fmus.planner.path_road import PathRoad
-    from fmus.planner.receding.road import Road
+    from fmus.planner.receding.road import GatedRoad
 
 
 def defaults() -> dict[str, Any]:
@@ -38,7 +38,7 @@ def half_width() -> float:
     return float(defaults()["road.clearance"])
 
 
-def gates(p: Mapping[str, Any]) -> Road:
+def gates(p: Mapping[str, Any]) -> GatedRoad:
     """The gates of the planner; raises ValueError or PlanningError naming what is wrong with the road."""
     from fmus.planner.receding import road  # noqa: PLC0415
 

@@ -116,10 +116,10 @@ def _equal(given: Value, value: float) -> bool:
 
 def _tyres(mu: float) -> dict[str, float]:
     """What MpcAllocator assumes of the tyres on this road."""
-    from fmus.planner.evasion.car import with_grip  # noqa: PLC0415
-    from fmus.single_track.data import car  # noqa: PLC0415
+    from fmus.cars import published  # noqa: PLC0415
+    from fmus.cars.grip import with_grip  # noqa: PLC0415
 
-    here = with_grip(car(), mu)
+    here = with_grip(published.single_track(), mu)
     return {
         f"design.tyre.{axle}.{name}": value
         for axle, tyre in (("front", here.front), ("rear", here.rear))

@@ -47,7 +47,7 @@ def corridor(margin: float = 0.0) -> Corridor:
 
 def lane_change_plan(vehicle: Vehicle | None = None, margin: float = 0.0) -> Path:
     """The planned trajectory, of the published car unless `vehicle` is given."""
-    from fmus.planner.cars import thesis  # noqa: PLC0415
+    from fmus.planner.planned_cars import thesis  # noqa: PLC0415
 
     return planned("double-lane-change", vehicle or thesis().vehicle, corridor(margin), INTERVALS)
 

@@ -14,15 +14,17 @@ _CALM = {"weight.steer_change": 1000.0, "integral.gain": 0.1}
 
 
 def _build(settings: Settings) -> System:
-    from fmus.double_track.design import from_design  # noqa: PLC0415  (lazy: `cosim list`)
-    from fmus.planner.vehicle import vehicle16dof  # noqa: PLC0415
+    from fmus.cars.derived import double_track_values  # noqa: PLC0415  (lazy: `cosim list`)
+    from fmus.cars.nominal import DESIGN  # noqa: PLC0415
+    from fmus.planner.planned_cars import multibody  # noqa: PLC0415
 
     system = System()
     system.add("plant", "Vehicle16Dof", {"body_force.y": settings["side_force"]})
     add_sensors(system, settings)
-    plan = loop.lane_change_plan(vehicle16dof())
+    plan = loop.lane_change_plan(multibody(DESIGN).vehicle)
     system.add("reference", "ReferenceTrajectory", {"trajectory_file": str(plan)})
-    system.add("mpc", "MpcAllocator", {f"design.{name}": value for name, value in from_design().items()} | _CALM)
+    assumed = {f"design.{name}": value for name, value in double_track_values(DESIGN).items()}
+    system.add("mpc", "MpcAllocator", assumed | _CALM)
     system.add("llc", "LowLevelPid", {"speed.fed_through": True, "yaw.fed_through": True})
     system.connect("reference", "mpc")
     system.connect(

@@ -21,8 +21,8 @@ from pathlib import Path
 
 import numpy as np
 
-from cosim.model.signals import Vector
 from cosim.errors import CosimError
+from cosim.model.signals import Vector
 from cosim.model.system import System
 from cosim.scenario import NumberSetting, Setting, Settings
 from scenarios.formation.scenario import complete as complete_formation

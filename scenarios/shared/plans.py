@@ -33,7 +33,7 @@ def planned(name: str, vehicle: Vehicle, road: Road, m: int, ends: Ends | None =
     from fmus.planner import hocp, trajectory  # noqa: PLC0415  (lazy: `cosim list`)
     from fmus.planner.errors import PlanningError  # noqa: PLC0415
 
-    settings = hocp.Settings(grid="gate", compile=False)
+    settings = hocp.PlanSettings(grid="gate", compile=False)
 
     def make(file: Path) -> None:
         plan = hocp.plan(vehicle, road, m, ends, settings)

@@ -12,14 +12,14 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from fmukit.kernel import symbols
+from fmus.cars.published import double_track, single_track
 from fmus.controllers.bus import PREVIEW, PREVIEW_PERIOD
 from fmus.controllers.mpc_allocator import design_car, horizon, inversion, linearise, memory
 from fmus.controllers.mpc_allocator.discretise import zero_order_hold
 from fmus.controllers.mpc_allocator.horizon import NODES, PERIOD
 from fmus.controllers.mpc_allocator.interface import INTERFACE
-from fmus.double_track import data, model
+from fmus.double_track import model
 from fmus.planner import check, plans
-from fmus.single_track.data import car as published
 
 Array = np.ndarray
 _START = {variable.name: float(variable.start) for variable in INTERFACE.select("parameter")}
@@ -56,7 +56,7 @@ def test_zero_order_hold_is_the_matrix_exponential(size: float) -> None:
 
 
 def test_without_forces_the_design_model_is_the_double_track_car() -> None:
-    f, draw = model.function(data.car()), np.random.default_rng(2)
+    f, draw = model.function(double_track()), np.random.default_rng(2)
     for _ in range(20):
         x = draw.normal(size=7) * [10, 10, 3, 0.05, 1, 0.3, 0.05] + [0, 0, 20, 0, 0, 0, 0]
         a, command = draw.normal(size=2), 0.05 * draw.normal()
@@ -66,7 +66,7 @@ def test_without_forces_the_design_model_is_the_double_track_car() -> None:
 
 
 def test_forces_of_the_sides_are_those_of_the_wheels_at_straight_steering() -> None:
-    f, draw = model.function(data.car()), np.random.default_rng(3)
+    f, draw = model.function(double_track()), np.random.default_rng(3)
     for _ in range(20):
         x = draw.normal(size=7) * [10, 10, 3, 0.05, 1, 0.3, 0.0] + [0, 0, 20, 0, 0, 0, 0]
         a, U = draw.normal(size=2), 1e3 * draw.normal(size=4)
@@ -193,7 +193,7 @@ def test_inversion_finds_the_states_of_the_planned_car() -> None:
 
 @pytest.mark.parametrize("E", [-2.0, -0.5, 0.0, 0.9])
 def test_tyre_inversion_gives_back_the_slip_angle(E: float) -> None:
-    tyre = published().front
+    tyre = single_track().front
     tyre = type(tyre)(tyre.B, tyre.C, tyre.D, E)
     draw = np.linspace(-0.94, 0.94, 41)
     from fmus.single_track.forces import lateral  # noqa: PLC0415

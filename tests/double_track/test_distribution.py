@@ -13,11 +13,13 @@ import pytest
 from scipy import sparse
 
 from fmukit.qp import qp_solver
-from fmus.controllers.mpc_allocator.programs import _WHEELS
-from fmus.double_track import data, distribution, model
+from fmus.cars.double_track import DoubleTrackCar
+from fmus.cars.published import double_track
+from fmus.controllers.mpc_allocator.programs import WHEEL_SETTINGS
+from fmus.double_track import distribution, model
 from fmus.double_track.distribution import Limits, Weights
 
-CAR = data.car()
+CAR = double_track()
 NONE = np.zeros(4)
 ALL = np.ones(4)
 LIMITS = Limits(force=3e3, power=math.inf, rate=2e4, friction=1.0)
@@ -133,7 +135,7 @@ def test_generated_code() -> None:
     best; what is left, up to 5 N, is between wheels that do much the same.
     """
     rng = np.random.default_rng(5)
-    settings = (replace(_WHEELS, absolute=1e-9, relative=1e-9, iterations=20000), _WHEELS)
+    settings = (replace(WHEEL_SETTINGS, absolute=1e-9, relative=1e-9, iterations=20000), WHEEL_SETTINGS)
     solvers = [qp_solver("wheels", distribution.PATTERN_P, distribution.PATTERN_A, s).function for s in settings]
     for _ in range(100):
         low, high = (rng.uniform(0, 3e3, 4) * (rng.random(4) > 0.15) for _ in range(2))
@@ -143,7 +145,7 @@ def test_generated_code() -> None:
             replace(WEIGHTS, moment=rng.uniform(1, 20), rho=1e-2),
         )
         raw = distribution.problem(*wanted, previous=before, low=-low, high=high, weights=weights)
-        tight, own = (solve(*raw, NONE, NONE, _WHEELS.rho, 0) for solve in solvers)
+        tight, own = (solve(*raw, NONE, NONE, WHEEL_SETTINGS.rho, 0) for solve in solvers)
         assert int(tight[3]) == int(own[3]) == 1
         full = program(wanted, before, -low, high, weights)
         assert optimality(*full, tight[0].full().ravel()) < 1e-6
@@ -237,7 +239,7 @@ def test_more_limit_never_hurts() -> None:
 def test_symbols_give_the_same_numbers() -> None:
     """As the kernel uses it: everything a symbol, also the car's width."""
     d, delta = ca.SX.sym("d"), ca.SX.sym("delta")
-    car = data.DoubleTrackCar(CAR.planar, d, CAR.h, CAR.least_load)
+    car = DoubleTrackCar(CAR.planar, d, CAR.h, CAR.least_load)
     G = ca.Function("G", [d, delta], [distribution.effectiveness(car, delta)])
     expected = ca.DM(distribution.effectiveness(CAR, 0.1)).full()
     np.testing.assert_allclose(G(CAR.d, 0.1).full(), expected)

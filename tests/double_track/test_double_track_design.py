@@ -9,9 +9,9 @@ import pytest
 
 from fmukit.direct import Direct
 from fmus import double_track, vehicle16dof
+from fmus.cars.derived import double_track_values
 from fmus.cars.nominal import DESIGN
 from fmus.cars.wheels import FRONT, WHEELS
-from fmus.double_track.design import from_design
 
 BOTH = {"roll", "pitch", "yaw", "sideslip", "fault"}
 
@@ -29,7 +29,7 @@ def test_shared_ports_are_the_same() -> None:
 
 def test_parameters_are_within_limits_and_derived() -> None:
     limits = {v.name: v for v in double_track.INTERFACE.select("parameter")}
-    found = from_design()
+    found = double_track_values(DESIGN)
     for name, value in found.items():
         assert limits[name].minimum <= value <= limits[name].maximum, name
     assert found["body.mass"] == 1500.0
@@ -44,7 +44,7 @@ def test_steady_yaw_rate_is_that_of_the_multibody_car(speed: float) -> None:
     """Both coast at the same steering angle, at about 0.7 m/s2: the planar car follows what the kingpins turn."""
     delta = 0.7 / speed**2 * (DESIGN.wheelbase + 1.3e-3 * speed**2)
     heavy = Direct(vehicle16dof.COMPONENT, {"initial.speed": speed})
-    light = Direct(double_track.COMPONENT, {**from_design(), "initial.speed": speed})
+    light = Direct(double_track.COMPONENT, {**double_track_values(DESIGN), "initial.speed": speed})
     for _ in range(1500):
         angles = {w: heavy[f"steer_angle.{w}"] for w in FRONT}
         rates = {w: heavy[f"steer_rate.{w}"] for w in FRONT}
@@ -60,7 +60,7 @@ def test_steady_yaw_rate_is_that_of_the_multibody_car(speed: float) -> None:
 def test_same_torques_accelerate_alike() -> None:
     torque = {f"wheel_torque.{w}": 200.0 for w in WHEELS}
     heavy = Direct(vehicle16dof.COMPONENT, {"initial.speed": 15.0}, torque)
-    light = Direct(double_track.COMPONENT, {**from_design(), "initial.speed": 15.0}, torque)
+    light = Direct(double_track.COMPONENT, {**double_track_values(DESIGN), "initial.speed": 15.0}, torque)
     for plant in (heavy, light):
         for _ in range(100):
             plant.advance(0.02)

@@ -10,32 +10,33 @@ import pytest
 from scipy.optimize import fsolve
 
 from fmukit.direct import Direct
-from fmukit.interface import load_parameters
 from fmus import vehicle16dof
-from fmus.cars.nominal import DESIGN
+from fmus.cars.axle_fit import MOST_SLIP
+from fmus.cars.derived import single_track
+from fmus.cars.nominal import DESIGN, plant_values
 from fmus.cars.wheels import FRONT, WHEELS
 from fmus.controllers import low_level_pid, mpc_allocator
 from fmus.planner import trajectory
 from fmus.planner.errors import PlanningError
-from fmus.planner.hocp import Settings, plan
+from fmus.planner.hocp import PlanSettings, plan
+from fmus.planner.planned_cars import multibody
 from fmus.planner.program import standing_ends
 from fmus.planner.road import double_lane_change
-from fmus.planner.vehicle import MOST_SLIP, two_wheel_drive
-from fmus.planner.vehicle import vehicle16dof as vehicle16dof_plan
-from fmus.single_track.design import _PARAMETERS, design_car
+from fmus.planner.vehicle import two_wheel_drive
 from fmus.single_track.forces import lateral
 from fmus.single_track.model import function
 from fmus.single_track.model import slips as slip_angles
 from fmus.vehicle16dof import magic
+from tests.references.steady_turn import understeer_gradient
 
-PLANT = {v.name: float(v.start) for v in load_parameters(_PARAMETERS)}
+PLANT, CAR = plant_values(), single_track(DESIGN)
 
 
 @pytest.mark.parametrize("a_y", [1.0, 3.0, 5.0, 7.0])
 def test_axles_carry_the_steady_turn_of_the_plants_tyres(a_y: float) -> None:
     """Slip angles of both axles from the balance of forces and moments of the four tyres, each with its own trail."""
     k = {name.removeprefix("tyre."): value for name, value in PLANT.items() if name.startswith("tyre.")}
-    car, D, (roll_F, roll_R) = design_car(), DESIGN, DESIGN.roll_stiffness
+    D, (roll_F, roll_R) = DESIGN, DESIGN.roll_stiffness
     height = D.cog_height / (1 - D.mass * D.gravity * D.cog_height / (roll_F + roll_R))
     whole = D.mass * a_y * height / D.track / (roll_F + roll_R)
 
@@ -49,12 +50,12 @@ def test_axles_carry_the_steady_turn_of_the_plants_tyres(a_y: float) -> None:
     def balance(slips: list[float]) -> list[float]:
         (F_F, M_F), (F_R, M_R) = (
             axle(load, whole * roll, alpha)
-            for load, roll, alpha in zip(car.static_loads, (roll_F, roll_R), slips, strict=True)
+            for load, roll, alpha in zip(CAR.static_loads, (roll_F, roll_R), slips, strict=True)
         )
-        return [F_F + F_R - D.mass * a_y, car.l_F * F_F - car.l_R * F_R + M_F + M_R]
+        return [F_F + F_R - D.mass * a_y, CAR.l_F * F_F - CAR.l_R * F_R + M_F + M_R]
 
     slips = fsolve(balance, [0.012 * a_y, 0.01 * a_y], xtol=1e-12)
-    for tyre, alpha, arm in zip((car.front, car.rear), slips, (car.l_R, car.l_F), strict=True):
+    for tyre, alpha, arm in zip((CAR.front, CAR.rear), slips, (CAR.l_R, CAR.l_F), strict=True):
         assert float(lateral(tyre, ca.DM(alpha))) == pytest.approx(D.mass * a_y * arm / D.wheelbase, rel=0.01)
 
 
@@ -77,7 +78,7 @@ def test_curvature_is_that_of_the_multibody_car(speed: float, steer: float, a_y:
         heavy.set({f"wheel_torque.{w}": torque + 250.0 * error for w in WHEELS})
         heavy.advance(0.002)
     v, r = math.hypot(heavy["velocity.x"], heavy["velocity.y"]), heavy["angular_rate.z"]
-    delta, f = sum(heavy[f"steer_angle.{w}"] for w in FRONT) / 2, function(design_car())
+    delta, f = sum(heavy[f"steer_angle.{w}"] for w in FRONT) / 2, function(CAR)
 
     def rest(z: list[float]) -> list[float]:
         return [
@@ -92,24 +93,23 @@ def test_curvature_is_that_of_the_multibody_car(speed: float, steer: float, a_y:
 
 
 def test_masses_and_loads() -> None:
-    car = design_car()
-    assert car.m == 1500.0 and car.I_zz == pytest.approx(2539, abs=1)
-    assert sum(car.static_loads) == pytest.approx(1500.0 * PLANT["gravity"])
-    assert car.understeer_gradient > 0
+    assert CAR.m == 1500.0 and CAR.I_zz == pytest.approx(2539, abs=1)
+    assert sum(CAR.static_loads) == pytest.approx(1500.0 * PLANT["gravity"])
+    assert understeer_gradient(CAR) > 0
 
 
 def test_it_can_be_planned() -> None:
-    found = plan(two_wheel_drive(design_car()), double_lane_change(), 40, settings=Settings(compile=False))
+    found = plan(two_wheel_drive(CAR), double_lane_change(), 40, settings=PlanSettings(compile=False))
     assert 6 < found.final_time < 9 and found.replay_error() < 0.01
 
 
-LIMITS = vehicle16dof_plan()
+LIMITS = multibody(DESIGN).vehicle
 
 
 def loads(a_x: float) -> tuple[float, float]:
     """Axle loads [N] under a longitudinal acceleration."""
     transfer = DESIGN.mass * a_x * DESIGN.cog_height / DESIGN.wheelbase
-    front, rear = design_car().static_loads
+    front, rear = CAR.static_loads
     return front - transfer, rear + transfer
 
 
@@ -133,8 +133,8 @@ def test_planned_forces_are_within_grip_motors_and_brakes(force: float) -> None:
 @pytest.mark.parametrize("speed", [10.0, 30.0])
 def test_plan_for_the_multibody_car_keeps_grip(speed: float) -> None:
     """Slip stays where the axles are fitted, and acceleration keeps a fifth of the grip, which ends at 7.9 m/s2."""
-    found = plan(LIMITS, double_lane_change(), 40, standing_ends(speed), Settings(compile=False))
-    slips = np.array([[float(a) for a in slip_angles(design_car(), x)] for x in found.nodes.x.T])
+    found = plan(LIMITS, double_lane_change(), 40, standing_ends(speed), PlanSettings(compile=False))
+    slips = np.array([[float(a) for a in slip_angles(CAR, x)] for x in found.nodes.x.T])
     across = trajectory.table(found)[:, 4] ** 2 * trajectory.table(found)[:, 6]
     assert np.abs(slips).max() < MOST_SLIP + 0.02
     assert 3.5 < np.abs(across).max() < 0.88 * 7.9
@@ -144,4 +144,4 @@ def test_plan_for_the_multibody_car_keeps_grip(speed: float) -> None:
 @pytest.mark.parametrize("grip", [0.0, 1.1, math.nan])
 def test_impossible_grip(grip: float) -> None:
     with pytest.raises(PlanningError, match=f"plan with is {grip:g}"):
-        vehicle16dof_plan(grip)
+        multibody(DESIGN, grip)

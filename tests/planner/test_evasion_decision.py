@@ -11,13 +11,13 @@ import pytest
 from fmus.planner.errors import PlanningError
 from fmus.planner.evasion.decision import ACTIONS, decide
 from fmus.planner.evasion.situation import Encounter, Surroundings
-from fmus.planner.evasion.table import Table, read
+from fmus.planner.evasion.table import LastPointTable, read
 
 ROAD = Surroundings(reserve=1.1, reaction_time=0.4, lead=0.1, standstill_gap=0.75)
 SPEEDS, OFFSETS, FRICTIONS = np.array([10.0, 20.0]), np.array([2.0, 3.0]), np.array([0.25, 1.0])
 
 
-def table() -> Table:
+def table() -> LastPointTable:
     """Last point to steer (offset + speed)/2 + 2 at friction 1, twice that at 0.25; with brakes 2 m less."""
     rows = []
     for mu in FRICTIONS:
@@ -25,7 +25,7 @@ def table() -> Table:
             for v in SPEEDS:
                 steer = (0.5 * (offset + v) + 2) / math.sqrt(mu)
                 rows.append((mu, offset, v, 0.0, 0.0, steer, steer - 2))
-    return Table(np.array(rows), FRICTIONS, OFFSETS, SPEEDS)
+    return LastPointTable(np.array(rows), FRICTIONS, OFFSETS, SPEEDS)
 
 
 def at(left: float, **changes: float) -> str:

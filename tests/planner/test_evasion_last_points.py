@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 
+from fmus.cars.published import single_track
 from fmus.planner.errors import PlanningError
 from fmus.planner.evasion import table
 from fmus.planner.evasion.braking import impact_speed, stopping_distance, stopping_distance_of_car
 from fmus.planner.evasion.last_point import LastPoint, Search, Task, search
 from fmus.planner.evasion.situation import Surroundings
-from fmus.single_track.data import car
 
-CAR = car()
+CAR = single_track()
 EDGE = Surroundings().edge
 # To 2.5 m steering only, and braking as well; to 3.5 m with yaw angle 0. Found by another program for the same problem.
 REFERENCE = {

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from fmukit.direct import Direct
+from fmus.cars.published import single_track
 from fmus.controllers.reference import COMPONENT
 from fmus.planner import evasion
 from fmus.planner.errors import PlanningError
@@ -19,7 +20,6 @@ from fmus.planner.evasion.car import evading_car, input_limits
 from fmus.planner.evasion.lane_change import lane_change, road
 from fmus.planner.evasion.manoeuvre import Manoeuvre, manoeuvre, stop
 from fmus.planner.evasion.situation import Encounter, Surroundings
-from fmus.single_track.data import car
 
 ROAD = Surroundings()
 BRAKE, STEER, BOTH, NEITHER = (Encounter(25.0, distance) for distance in (50.0, 40.0, 35.3, 27.0))
@@ -169,7 +169,7 @@ def test_forces_are_in_proportion_to_the_friction() -> None:
     assert least[1:].tolist() == most[1:].tolist() == [-6000, -4000]
     # at small slip angles the road does not matter: the stiffness keeps
     x, u = [0, 0, 20, 0.001, 0, 0, 0], [0, 0, 0]
-    slopes = [evading_car(car(), mu, "steer").f(x, u).full()[3, 0] for mu in (0.3, 1.0)]
+    slopes = [evading_car(single_track(), mu, "steer").f(x, u).full()[3, 0] for mu in (0.3, 1.0)]
     assert slopes[0] == pytest.approx(slopes[1], rel=2e-3)
 
 

@@ -12,26 +12,28 @@ from time import time
 
 import numpy as np
 import pytest
-from gerdts_form import gerdts
 from scipy.integrate import quad, solve_ivp
 
 from fmukit.compiling import compiler
 from fmukit.direct import Direct
 from fmukit.errors import BuildError
+from fmus.cars.published import single_track
 from fmus.controllers.reference import COMPONENT
 from fmus.controllers.reference.interface import COLUMNS
-from fmus.planner import hocp, trajectory
+from fmus.planner import trajectory
 from fmus.planner.check import fine
 from fmus.planner.errors import PlanningError
-from fmus.planner.hocp import Grid, Plan, Settings, plan
+from fmus.planner.hocp import Grid, Plan, PlanSettings, plan
 from fmus.planner.path_road import PathRoad
 from fmus.planner.program import Ends, standing_ends
 from fmus.planner.road import double_lane_change
-from fmus.planner.vehicle import gear_shift_car, two_wheel_drive
-from fmus.single_track.data import car
+from fmus.planner.vehicle import two_wheel_drive
+from tests.references.gear_shift import gear_shift_car
+from tests.references.gerdts_form import gerdts
+from tests.references.refinement import refine
 
-CAR = two_wheel_drive(car())
-INTERPRETED = Settings(compile=False)
+CAR = two_wheel_drive(single_track())
+INTERPRETED = PlanSettings(compile=False)
 FREE = np.nan
 
 
@@ -58,15 +60,15 @@ def test_time_grid() -> None:
 @pytest.mark.nightly
 @pytest.mark.parametrize(("grid", "seconds"), [("gate", 7.1880), ("time", 7.1882)])
 def test_finer_mesh(grid: Grid, seconds: float) -> None:
-    found = plan(CAR, double_lane_change(), 160, settings=Settings(grid=grid))
+    found = plan(CAR, double_lane_change(), 160, settings=PlanSettings(grid=grid))
     assert found.final_time == pytest.approx(seconds, abs=5e-4)
     assert found.violation < 0.03
 
 
 def gear_shift(m: int, substeps: int) -> Plan:
     road = double_lane_change(1.0, 0.75, 1.5, "cubic")
-    settings = Settings(grid="time", substeps=substeps, smoothing=0.0, compile=False)
-    return plan(gear_shift_car(car()), road, m, settings=settings)
+    settings = PlanSettings(grid="time", substeps=substeps, smoothing=0.0, compile=False)
+    return plan(gear_shift_car(single_track()), road, m, settings=settings)
 
 
 @pytest.mark.parametrize(
@@ -99,7 +101,7 @@ def test_straight_road_is_the_closed_form() -> None:
     """Full drive all the way: t is the integral of ds/v, with v from the balance of forces."""
     points = np.column_stack([np.linspace(0, 170, 18), np.zeros(18)])
     found = plan(CAR, PathRoad(points, np.full((18, 2), 3.0)), 40, settings=replace(INTERPRETED, smoothing=0.0))
-    data = car()
+    data = single_track()
 
     def pull(v: float) -> float:
         f_r = 9e-3 + 7.2e-5 * v + 5.038848e-10 * v**4
@@ -135,11 +137,11 @@ def test_closed_road_ends_as_it_begins() -> None:
 
 
 def test_refinement_warm_starts() -> None:
-    plans = hocp.refine(CAR, double_lane_change(), (20, 40), settings=INTERPRETED)
+    coarse, warm = refine(CAR, double_lane_change(), (20, 40), INTERPRETED)
     cold = plan(CAR, double_lane_change(), 40, settings=INTERPRETED)
-    assert plans[1].final_time == pytest.approx(cold.final_time, abs=1e-5)
-    assert plans[1].violation < plans[0].violation
-    assert plans[1].iterations <= cold.iterations + 5
+    assert warm.final_time == pytest.approx(cold.final_time, abs=1e-5)
+    assert warm.violation < coarse.violation
+    assert warm.iterations <= cold.iterations + 5
 
 
 def test_compiled_is_the_same_and_cached(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -160,7 +162,7 @@ from pathlib import Path
 from fmus.planner import hocp
 from fmus.planner.road import double_lane_change
 from fmus.planner.vehicle import two_wheel_drive
-from fmus.single_track.data import car
+from fmus.cars.published import single_track
 
 library = Path({library!r})
 whole = library.read_bytes()
@@ -168,7 +170,7 @@ for share in (0.5, 0.97):
     damaged = library.with_name("damaged")
     damaged.write_bytes(whole[: int(share * len(whole))])
     damaged.replace(library)
-    print(hocp.plan(two_wheel_drive(car()), double_lane_change(), 10).how, library.read_bytes() == whole)
+    print(hocp.plan(two_wheel_drive(single_track()), double_lane_change(), 10).how, library.read_bytes() == whole)
 """
 
 
@@ -255,7 +257,7 @@ def test_what_cannot_be_planned() -> None:
     with pytest.raises(PlanningError, match="at least 2 intervals"):
         plan(CAR, road, 1)
     with pytest.raises(PlanningError, match="use the gate grid"):
-        plan(CAR, bend(), 20, settings=Settings(grid="time"))
+        plan(CAR, bend(), 20, settings=PlanSettings(grid="time"))
     with pytest.raises(PlanningError, match="Maximum_Iterations_Exceeded after 3 iterations"):
         plan(CAR, road, 20, settings=replace(INTERPRETED, max_iterations=3))
     with pytest.raises(PlanningError, match="cannot be written"):

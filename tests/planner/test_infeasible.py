@@ -7,16 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fmus.cars.published import single_track
 from fmus.planner import bends
 from fmus.planner.errors import PlanningError
-from fmus.planner.hocp import Settings, plan
+from fmus.planner.hocp import PlanSettings, plan
 from fmus.planner.path_road import PathRoad
 from fmus.planner.program import Ends, standing_ends
 from fmus.planner.road import double_lane_change
 from fmus.planner.vehicle import two_wheel_drive
-from fmus.single_track.data import car
 
-CAR = two_wheel_drive(car())
+CAR = two_wheel_drive(single_track())
 ROAD = double_lane_change()
 
 
@@ -59,7 +59,7 @@ def test_a_start_askew_is_told_the_heading_that_does() -> None:
 def test_a_road_out_of_reach_is_told_the_place() -> None:
     """A hairpin a little wider than the smallest circle: only the search knows."""
     with pytest.raises(PlanningError, match=r"with free ends it breaks near x = (1\d|2\d)\.\d m"):
-        plan(CAR, hairpin(3.2, 1.5), 60, settings=Settings(max_iterations=100))
+        plan(CAR, hairpin(3.2, 1.5), 60, settings=PlanSettings(max_iterations=100))
 
 
 def test_a_bend_too_sharp_is_refused_before_the_search() -> None:
@@ -71,7 +71,7 @@ def test_a_bend_too_sharp_is_refused_before_the_search() -> None:
 
 def test_smallest_circle_is_that_of_the_geometry() -> None:
     """Slowly, wheels roll where they point: the centre of gravity runs on sqrt((L/tan delta)^2 + l_R^2)."""
-    data, slow = car(), CAR.lower.copy()
+    data, slow = single_track(), CAR.lower.copy()
     slow[2] = 0.3
     expected = np.hypot(data.wheelbase / np.tan(0.6), data.l_R)
     assert bends.smallest_circle(replace(CAR, lower=slow)) == pytest.approx(expected, rel=2e-3)

@@ -8,14 +8,16 @@ from dataclasses import replace
 import casadi as ca
 import numpy as np
 import pytest
-from gerdts_form import gerdts
 from scipy.integrate import solve_ivp
 
-from fmus.double_track import data as double_data
+from fmus.cars import published
 from fmus.double_track import model as double_track
-from fmus.single_track import data, gear_shift, model
+from fmus.single_track import model
+from tests.references import gear_shift
+from tests.references.gerdts_form import gerdts
+from tests.references.steady_turn import cornering_stiffness, understeer_gradient
 
-CAR = data.car()
+CAR = published.single_track()
 MIRROR = np.array([1, 1, 1, -1, 1, 1, 1])
 
 
@@ -36,9 +38,9 @@ def test_published_friction_and_understeer() -> None:
     assert CAR.static_loads == pytest.approx((6515, 5640), abs=1)
     for tyre, load in zip((CAR.front, CAR.rear), CAR.static_loads, strict=True):
         assert tyre.D / load == pytest.approx(0.7, abs=1e-4)
-    assert CAR.front.cornering_stiffness == pytest.approx(64977, abs=1)
-    assert CAR.rear.cornering_stiffness == pytest.approx(65024, abs=1)
-    assert CAR.understeer_gradient == pytest.approx(1.38e-3, abs=5e-6)
+    assert cornering_stiffness(CAR.front) == pytest.approx(64977, abs=1)
+    assert cornering_stiffness(CAR.rear) == pytest.approx(65024, abs=1)
+    assert understeer_gradient(CAR) == pytest.approx(1.38e-3, abs=5e-6)
 
 
 def test_steady_turn_has_the_understeer_gradient() -> None:
@@ -50,7 +52,7 @@ def test_steady_turn_has_the_understeer_gradient() -> None:
     rest = ca.Function("rest", [free], [ca.substitute(balance, ca.vertcat(x[:2], x[4], u[:2]), ca.DM.zeros(5))])
     found = ca.rootfinder("steady", "newton", rest)(ca.DM([v, 0, a_y / v, 0, 100]))
     delta = float(found[3])
-    assert delta == pytest.approx(CAR.wheelbase * a_y / v**2 + CAR.understeer_gradient * a_y, rel=0.03)
+    assert delta == pytest.approx(CAR.wheelbase * a_y / v**2 + understeer_gradient(CAR) * a_y, rel=0.03)
 
 
 def test_integration_by_an_independent_route() -> None:
@@ -82,7 +84,7 @@ def test_combined_slip_weakens_cornering_only() -> None:
 
 
 def test_double_track_becomes_single_track() -> None:
-    narrow = replace(double_data.car(), d=0.0, h=0.0, least_load=0.0)
+    narrow = replace(published.double_track(), d=0.0, h=0.0, least_load=0.0)
     f, g, rng = double_track.function(narrow), model.function(CAR), np.random.default_rng(4)
     for x in states(100, 3):
         rate, U_F, U_R = rng.uniform([-0.5, -1e4, -5e3], [0.5, 5e3, 5e3])
@@ -91,7 +93,7 @@ def test_double_track_becomes_single_track() -> None:
 
 
 def test_wheel_loads() -> None:
-    car, rng = double_data.car(), np.random.default_rng(5)
+    car, rng = published.double_track(), np.random.default_rng(5)
     a = ca.SX.sym("a", 2)
     loads = ca.Function("loads", [a], [double_track.wheel_loads(car, a[0], a[1])])
     for value in rng.uniform(-30, 30, (100, 2)):
@@ -104,7 +106,7 @@ def test_wheel_loads() -> None:
 
 def test_double_track_forces_give_its_motion() -> None:
     """Newton's law in the world frame, forces added as plane vectors at the wheels."""
-    car = double_data.car()
+    car = published.double_track()
     f, rng = double_track.function(car), np.random.default_rng(6)
     for x in states(50, 7):
         u = rng.uniform([-0.5, *[-3e3] * 4], [0.5, *[3e3] * 4])

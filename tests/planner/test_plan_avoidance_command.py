@@ -1,4 +1,4 @@
-"""`cosim plan collision-avoidance` as a user meets it, on a few points of the table."""
+"""`fmus plan collision-avoidance` as a user meets it, on a few points of the table."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fmus.cli import main
 
-from cosim.command.main import main
 from fmus.planner.evasion import table
 from fmus.planner.evasion.last_point import search
 
@@ -23,7 +23,7 @@ def plan(monkeypatch: pytest.MonkeyPatch) -> pytest.MonkeyPatch:
 
 
 def run(patch: pytest.MonkeyPatch, *arguments: str) -> int:
-    patch.setattr(sys, "argv", ["cosim", "plan", "collision-avoidance", *arguments])
+    patch.setattr(sys, "argv", ["fmus", "plan", "collision-avoidance", *arguments])
     with pytest.raises(SystemExit) as end:
         main()
     return int(end.value.code or 0)

@@ -1,4 +1,4 @@
-"""`cosim plan` as a user meets it."""
+"""`fmus plan` as a user meets it."""
 
 from __future__ import annotations
 
@@ -8,13 +8,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fmus.cli import main
 
-from cosim.command.main import main
+from cosim.command.main import main as cosim
 from fmus.planner import plans
 
 
 def run(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
-    monkeypatch.setattr(sys, "argv", ["cosim", "plan", *arguments])
+    monkeypatch.setattr(sys, "argv", ["fmus", "plan", *arguments])
     with pytest.raises(SystemExit) as end:
         main()
     return int(end.value.code or 0)
@@ -28,6 +29,23 @@ def test_figures_and_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsy
     assert figures["replay_error"] < 0.01 and figures["residual"] < 1e-6
     assert figures["status"] == "Solve_Succeeded" and figures["iterations"] > 0 and figures["solve_time"] > 0
     assert np.loadtxt(file, delimiter=",", skiprows=1).shape == (201, 7)
+
+
+def test_the_former_name_still_plans(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """`cosim plan` is found by its entry point, says its new name, and knows the same options and mistakes."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", ["cosim", "plan", "double-lane-change", "-m", "20", "--json"])
+    with pytest.raises(SystemExit) as end:
+        cosim()
+    seen = capsys.readouterr()
+    assert not end.value.code and json.loads(seen.out)["file"] == "double-lane-change-plan.csv"
+    assert seen.err.splitlines()[0] == "fmus: `cosim plan` is `fmus plan` now"
+    monkeypatch.setattr(sys, "argv", ["cosim", "plan", "moon"])
+    with pytest.raises(SystemExit) as end:
+        cosim()
+    assert end.value.code == 2 and "known are double-lane-change" in capsys.readouterr().err
 
 
 def test_a_coarse_mesh_is_remarked_on(

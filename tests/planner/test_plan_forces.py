@@ -10,18 +10,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fmus.cars.published import double_track
 from fmus.controllers import mpc_allocator
-from fmus.double_track import data, model
+from fmus.double_track import model
 from fmus.double_track.distribution import Limits, Weights
 from fmus.planner import forces, trajectory
 from fmus.planner.errors import PlanningError
-from fmus.planner.hocp import Plan, Settings, plan
+from fmus.planner.hocp import Plan, PlanSettings, plan
 from fmus.planner.road import double_lane_change
-from fmus.planner.vehicle import gear_shift_car, two_wheel_drive
+from fmus.planner.vehicle import two_wheel_drive
 from fmus.single_track import model as single
 from fmus.single_track.forces import air_drag, rolling_coefficient
+from tests.references.gear_shift import gear_shift_car
 
-CAR = data.car()
+CAR = double_track()
 LIMITS = Limits(force=3e3, power=np.inf, rate=np.inf, friction=1.0)
 WEIGHTS = Weights(force_x=1.0, force_y=1.0, moment=1.0, epsilon=1e-3, rho=0.0)
 LOST = (1.0, 1.0, 1.0, 0.0)
@@ -31,7 +33,7 @@ Y = ("force_x", "force_y", "moment_z")
 @pytest.fixture(scope="module")
 def drive() -> Plan:
     """The thesis' form of the problem: time grid, 160 intervals."""
-    settings = Settings(grid="time", compile=False)
+    settings = PlanSettings(grid="time", compile=False)
     return plan(two_wheel_drive(CAR.planar), double_lane_change(), 160, settings=settings)
 
 
@@ -113,6 +115,6 @@ def test_nothing_left_to_drive(drive: Plan) -> None:
 def test_mistakes(drive: Plan, tmp_path: Path) -> None:
     with pytest.raises(PlanningError, match="cannot be written"):
         forces.write(forces.along(drive, CAR, finer=1), tmp_path / "none" / "forces.csv")
-    shifting = plan(gear_shift_car(CAR.planar), double_lane_change(), 10, settings=Settings(compile=False))
+    shifting = plan(gear_shift_car(CAR.planar), double_lane_change(), 10, settings=PlanSettings(compile=False))
     with pytest.raises(PlanningError, match="not known of the car gear_shift"):
         forces.along(shifting, CAR)

@@ -1,4 +1,4 @@
-"""`cosim plan` with --car, --forces and --lost-motor, as a user meets them."""
+"""`fmus plan` with --car, --forces and --lost-motor, as a user meets them."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fmus.cli import main
 
-from cosim.command.main import main
 from fmus.cars.nominal import DESIGN
 
 SHORT = ("double-lane-change", "-m", "20", "--json")
 
 
 def run(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
-    monkeypatch.setattr(sys, "argv", ["cosim", "plan", *arguments])
+    monkeypatch.setattr(sys, "argv", ["fmus", "plan", *arguments])
     with pytest.raises(SystemExit) as end:
         main()
     return int(end.value.code or 0)

@@ -16,7 +16,7 @@ from fmus.planner.path_road import PathRoad
 from fmus.planner.program import standing_ends
 from fmus.planner.receding import COMPONENT, built_in, horizon, offline, road, run, search
 from fmus.planner.receding.memory import BRAKED, ENDED, PLANNING
-from fmus.planner.receding.offline import Drive
+from fmus.planner.receding.offline import WholePlan
 
 ROWS = built_in.rows()
 STRAIGHT = wide(np.column_stack([np.linspace(0, 300, 31), np.zeros(31)]))
@@ -30,9 +30,9 @@ def tools() -> search.Tools:
 
 @pytest.fixture(scope="module")
 def drives(tools):
-    made: dict[tuple, Drive] = {}
+    made: dict[tuple, WholePlan] = {}
 
-    def drive(**changes) -> Drive:
+    def drive(**changes) -> WholePlan:
         key = tuple(changes.items())
         if key not in made:
             made[key] = offline.drive(tools, offline.parameters(named(changes)))
@@ -53,7 +53,7 @@ def test_close_to_the_global_optimum(drives, changes) -> None:
     """The whole road at once, with the same limits and gates, by the offline planner: at most 5 % faster."""
     p = offline.parameters(named(changes))
     whole = PathRoad(ROWS[:, :2], ROWS[:, 2:], p["road.clearance"])
-    best = hocp.plan(offline.same_limits(p), whole, 69, standing_ends(15.0), hocp.Settings(compile=False))
+    best = hocp.plan(offline.same_limits(p), whole, 69, standing_ends(15.0), hocp.PlanSettings(compile=False))
     found = drives(**changes)
     assert 1.0 <= found.final_time / best.final_time <= 1.05
     assert found.records[-1].failed == found.records[-1].fallbacks == 0
@@ -216,7 +216,7 @@ def test_softened_problem_leaves_the_corridor_as_little_as_it_can(tools) -> None
     x[0, 2], x[0, 4] = 25.0, 0.2
     x[0, 1] = 2.0
     ahead = horizon.problem(tools.horizon, p, way, replace(plan, x=x))
-    first = horizon.guess(ahead, horizon._NO_TAIL, 0.0)
+    first = horizon.guess(ahead, horizon.NO_TAIL, 0.0)
     hard, soft = (search.search(tools, p, ahead, first, soft=soft) for soft in (False, True))
     assert not hard.solved and hard.status < 0 and hard.slack == 0
     assert soft.solved and 0.1 < soft.slack < 5

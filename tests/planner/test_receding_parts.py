@@ -15,7 +15,7 @@ from scipy.interpolate import CubicSpline
 from fmus.planner.path_road import PathRoad, read_road
 from fmus.planner.receding import built_in, bus, memory, offline, replan, road, run, speed
 from fmus.planner.receding.centre_line import spline
-from fmus.planner.receding.memory import Plan, Record, Tail
+from fmus.planner.receding.memory import Record, RollingPlan, Tail
 
 RNG = np.random.default_rng(4)
 BEND = np.array([[0.0, 0.0], [9.0, 1.0], [21.0, 2.0], [30.0, 9.0], [33.0, 20.0], [30.0, 33.0]])
@@ -79,7 +79,7 @@ def test_car_behind_an_open_road_begins_at_its_first_gate() -> None:
     p = offline.parameters()
     way = road.read(p, [])
     plan = run.start(p, way)
-    assert replan._gate_before(way, plan, plan.x[0] - np.array([20.0, 0, 0, 0, 0, 0, 0])) == 0
+    assert replan.gate_before(way, plan, plan.x[0] - np.array([20.0, 0, 0, 0, 0, 0, 0])) == 0
 
 
 def test_road_survives_its_numbers() -> None:
@@ -124,11 +124,11 @@ def test_speed_profile_can_be_braked_along(curvature, end, spacing) -> None:
     assert (v[bounded] ** 2 * np.abs(curvature)[bounded] <= 6.5 + 1e-9).all()
 
 
-def some_plan(n: int = 9, k: int = 3) -> Plan:
+def some_plan(n: int = 9, k: int = 3) -> RollingPlan:
     tail = Tail(RNG.normal(size=(k, 7)), RNG.normal(size=(k, 3)), RNG.uniform(0.1, 1, k))
     record = Record(5, 1, 2, 1, 3, -2, 17, 0.25, 1e-7, 0.5, 12.5)
     times = np.cumsum(RNG.uniform(0.1, 1, n))
-    return Plan(times, RNG.normal(size=(n, 7)), RNG.normal(size=(n, 3)), 14, 2, -0.01, tail, record)
+    return RollingPlan(times, RNG.normal(size=(n, 7)), RNG.normal(size=(n, 3)), 14, 2, -0.01, tail, record)
 
 
 def test_memory_keeps_everything() -> None:

@@ -7,16 +7,18 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from fmus.cars.published import single_track
 from fmus.planner import gate_grid, time_grid
 from fmus.planner.check import motion
 from fmus.planner.path_road import PathRoad
-from fmus.planner.program import Ends, Program, standing_ends
+from fmus.planner.program import Ends, NonlinearProgram, standing_ends
 from fmus.planner.road import double_lane_change
 from fmus.planner.shooting import derivatives, interval
-from fmus.planner.vehicle import Vehicle, gear_shift_car, two_wheel_drive
-from fmus.single_track.data import car
+from fmus.planner.vehicle import Vehicle, two_wheel_drive
+from tests.references.gear_shift import gear_shift_car
 
-CARS = [two_wheel_drive(car()), two_wheel_drive(car(), friction=1.0), gear_shift_car(car())]
+CAR = single_track()
+CARS = [two_wheel_drive(CAR), two_wheel_drive(CAR, friction=1.0), gear_shift_car(CAR)]
 
 
 @pytest.mark.parametrize("vehicle", CARS, ids=["plain", "combined slip", "gears"])
@@ -45,7 +47,7 @@ def oval() -> PathRoad:
     return PathRoad(np.column_stack([60 * np.cos(angle), 40 * np.sin(angle)]), np.full((40, 2), 3.0), closed=True)
 
 
-def programs() -> dict[str, Program]:
+def programs() -> dict[str, NonlinearProgram]:
     """One of each kind: gates, closed road, gears with their limits, equal times with the road as inequalities."""
     free, road = np.full(7, np.nan), double_lane_change()
     return {

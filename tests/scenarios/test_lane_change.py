@@ -15,12 +15,14 @@ from cosim.results.recorder import PARQUET
 from cosim.run import Request, run
 from cosim.scenario import configured
 from cosim.ssp.export import export
+from fmus.cars.derived import single_track
+from fmus.cars.nominal import DESIGN
 from fmus.cars.wheels import WHEELS
 from fmus.planner import trajectory
-from fmus.planner.hocp import Settings, plan
+from fmus.planner.hocp import PlanSettings, plan
+from fmus.planner.planned_cars import multibody
 from fmus.planner.road import double_lane_change
-from fmus.planner.vehicle import two_wheel_drive, vehicle16dof
-from fmus.single_track.design import design_car
+from fmus.planner.vehicle import two_wheel_drive
 from scenarios import load
 from scenarios.lane_change.loop import corridor
 from scenarios.lane_change.metrics import final_time, violation
@@ -116,13 +118,13 @@ def test_what_the_controller_assumes_of_the_multibody_car_follows_from_that_car(
 
 
 def test_the_multibody_car_drives_the_plan_documented_for_it() -> None:
-    """That of `cosim plan --car vehicle16dof`; the plan for rear-wheel drive without combined slip is another one."""
-    settings = Settings(compile=False)
+    """That of `fmus plan --car vehicle16dof`; the plan for rear-wheel drive without combined slip is another one."""
+    settings = PlanSettings(compile=False)
     file = configured(load("double-lane-change-16dof"), []).instances["reference"].parameters["trajectory_file"]
     driven = np.loadtxt(str(file), delimiter=",", skiprows=1)
     made, other = (
         trajectory.table(plan(car, double_lane_change(), 160, settings=settings))
-        for car in (vehicle16dof(), two_wheel_drive(design_car()))
+        for car in (multibody(DESIGN).vehicle, two_wheel_drive(single_track(DESIGN)))
     )
     np.testing.assert_allclose(driven, made, rtol=1e-6, atol=1e-6)
     assert np.abs(driven - other)[:, 4].max() > 0.01

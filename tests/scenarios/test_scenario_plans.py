@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 from cosim.errors import CosimError
+from fmus.cars.published import single_track
 from fmus.planner.path_road import PathRoad
 from fmus.planner.road import double_lane_change
 from fmus.planner.vehicle import two_wheel_drive
-from fmus.single_track.data import car
 from scenarios.shared.plans import kept, planned
 
-VEHICLE = two_wheel_drive(car())
+VEHICLE = two_wheel_drive(single_track())
 
 
 @pytest.fixture
@@ -51,8 +51,8 @@ def test_another_road_car_or_mesh_is_another_plan(cache: Path) -> None:
         planned("lane", VEHICLE, double_lane_change(), 12),
         planned("lane", VEHICLE, double_lane_change(), 13),
         planned("lane", VEHICLE, double_lane_change(transition=6.0), 12),
-        planned("lane", two_wheel_drive(car(), rear=(-5e3, 4e3)), double_lane_change(), 12),
-        planned("lane", two_wheel_drive(car(), friction=1.0), double_lane_change(), 12),
+        planned("lane", two_wheel_drive(single_track(), rear=(-5e3, 4e3)), double_lane_change(), 12),
+        planned("lane", two_wheel_drive(single_track(), friction=1.0), double_lane_change(), 12),
     }
     assert len(files) == 5
 

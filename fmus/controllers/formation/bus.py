@@ -9,7 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from fmukit.interface import Variable, group, input_, load_parameters, output
-from fmus.controllers.design_data import design_parameters
+from fmus.cars.design_parameters import design_parameters
 
 DESIGN = ("mass", "l_f", "l_r", "cornering_front", "cornering_rear", "pneumatic_trail", "gravity")
 """Parameters `design.*` of every follower."""

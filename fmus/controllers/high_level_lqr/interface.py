@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from fmukit.interface import Variable, group, input_, load_parameters, output, parameter, sampled
+from fmus.cars.design_parameters import design_parameters
 from fmus.controllers.bus import trajectory_bus
-from fmus.controllers.design_data import design_parameters
 from fmus.controllers.low_level_pid.interface import INTERFACE as LOW_LEVEL
 
 _DESIGN = (

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from fmukit.interface import Variable, group, input_, load_parameters, output, sampled
+from fmus.cars.design_parameters import design_parameters
 from fmus.cars.wheels import FRONT, WHEELS
-from fmus.controllers.design_data import design_parameters
 
 _DESIGN = (
     *("mass", "sprung_mass", "roll_inertia", "pitch_inertia", "yaw_inertia", "l_f", "l_r", "track"),

@@ -7,8 +7,8 @@ from collections.abc import Callable
 import casadi as ca
 
 from fmukit.kernel import Signals
-from fmus.double_track import dynamics
-from fmus.double_track.data import DoubleTrackCar
+from fmus.cars import published
+from fmus.cars.double_track import DoubleTrackCar, double_track_car
 from fmus.double_track.model import motion
 from fmus.single_track.forces import air_drag, planar_motion, rolling_coefficient
 
@@ -21,19 +21,10 @@ STANDSTILL = 1.0
 """Speed [m/s] below which the direction of motion means nothing, and the car is led to rest."""
 
 
-class _Design(Signals):
-    """The parameters `design.*` under the names they have at DoubleTrack."""
-
-    def __init__(self, parameters: Signals) -> None:
-        self._parameters = parameters
-
-    def __getitem__(self, name: str) -> ca.SX:
-        return self._parameters[f"design.{name}"]
-
-
 def design_car(parameters: Signals) -> DoubleTrackCar:
-    """The car of the parameters: its numbers are symbols."""
-    return dynamics.car(_Design(parameters))
+    """The car of the parameters `design.*`: its numbers are symbols."""
+    names = [variable.name for variable in published.double_track_parameters()]
+    return double_track_car({name: parameters[f"design.{name}"] for name in names})
 
 
 def rate(car: DoubleTrackCar, lag: ca.SX, x: ca.SX, u: ca.SX, a: ca.SX) -> ca.SX:

@@ -5,13 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 from fmukit.interface import Variable, group, input_, load_parameters, output, parameter, sampled
+from fmus.cars import published
 from fmus.cars.wheels import WHEELS
 from fmus.controllers.bus import trajectory_bus
 from fmus.double_track.interface import INTERFACE as PLANT
 
 _HERE = Path(__file__).parent
-_CARS = _HERE.parents[1]
-_DESIGN = (_CARS / "single_track" / "parameters.toml", _CARS / "double_track" / "parameters.toml")
 _ACTUATOR = {
     "steer_lag": "steering.lag",
     "steer_rate": "steering.rate_limit",
@@ -33,7 +32,7 @@ def _assumed(name: str, theirs: Variable) -> Variable:
 
 
 def _design() -> list[Variable]:
-    return [_assumed(f"design.{v.name}", v) for path in _DESIGN for v in load_parameters(path)]
+    return [_assumed(f"design.{v.name}", v) for v in published.double_track_parameters()]
 
 
 def _actuator() -> list[Variable]:

@@ -13,10 +13,10 @@ from __future__ import annotations
 
 import casadi as ca
 
+from fmus.cars.double_track import DoubleTrackCar
+from fmus.cars.single_track import Tyre
 from fmus.controllers.mpc_allocator.design_car import SLOWEST, rate
-from fmus.double_track.data import DoubleTrackCar
 from fmus.double_track.model import motion, wheel_loads
-from fmus.single_track.data import Tyre
 
 FULL = 0.95
 """Part of a tyre's peak up to which it is inverted (engineering choice): there the slope is still useful."""

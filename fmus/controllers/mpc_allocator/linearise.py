@@ -16,13 +16,13 @@ from collections.abc import Callable
 import casadi as ca
 
 from fmukit.kernel import symbols
+from fmus.cars.double_track import DoubleTrackCar
 from fmus.clip import clip
 from fmus.controllers.mpc_allocator import inversion
 from fmus.controllers.mpc_allocator.design_car import INPUTS, SLOWEST, advance, design_car, rate
 from fmus.controllers.mpc_allocator.discretise import zero_order_hold
 from fmus.controllers.mpc_allocator.horizon import NODE, PERIOD
 from fmus.controllers.mpc_allocator.interface import INTERFACE
-from fmus.double_track.data import DoubleTrackCar
 from fmus.single_track.forces import STATES
 
 N_X, N_U = len(STATES), len(INPUTS)

@@ -20,7 +20,7 @@ _ERRORS = ("longitudinal", "lateral", "speed", "sideslip", "yaw", "yaw_rate", "s
 _EFFORTS = ("steer", "force", "force", "steer_change", "force_change", "force_change")
 _WEIGHTS = (*(f"weight.{name}" for name in (*_ERRORS, *_EFFORTS)), "corridor.weight", "corridor.half_width")
 _TRACKING = QpSettings(rho=8.0, absolute=1e-4, relative=1e-4, iterations=300, check=10, adapt=20)
-_WHEELS = QpSettings(rho=1.0, absolute=1e-6, relative=1e-6, iterations=2000, check=5, adapt=20)
+WHEEL_SETTINGS = QpSettings(rho=1.0, absolute=1e-6, relative=1e-6, iterations=2000, check=5, adapt=20)
 """Ten times tighter than 1e-5: five iterations more of some 20, and 0.004 instead of 10 N of error per wheel."""
 _SOLVED = (1, 2)
 
@@ -65,7 +65,7 @@ def solvers() -> tuple[QpSolver, QpSolver]:
     """Of the prediction and of the distribution."""
     return (
         qp_solver("tracking", program().P, program().A, _TRACKING),
-        qp_solver("wheels", distribution.PATTERN_P, distribution.PATTERN_A, _WHEELS),
+        qp_solver("wheels", distribution.PATTERN_P, distribution.PATTERN_A, WHEEL_SETTINGS),
     )
 
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from fmus.cars import published
+from fmus.cars.single_track import SingleTrackCar
 from fmus.planner.evasion.car import evading_car
 from fmus.planner.gates import Array
-from fmus.single_track.data import Car, car
 
 _CREEP = 0.1
 """Speed [m/s] at which the integration ends; what is left of the way is added in closed form."""
@@ -18,9 +19,9 @@ def stopping_distance(speed: float, friction: float, deceleration: float) -> flo
     return speed**2 / (2 * deceleration * friction)
 
 
-def stopping_distance_of_car(speed: float, friction: float, data: Car | None = None) -> float:
+def stopping_distance_of_car(speed: float, friction: float, data: SingleTrackCar | None = None) -> float:
     """The way [m] of the single-track car with all the brake force it may use, rolling resistance and drag."""
-    vehicle = evading_car(data or car(), friction, "brake")
+    vehicle = evading_car(data or published.single_track(), friction, "brake")
     u = np.array([0.0, *vehicle.input_lower[1:]])
 
     def rate(_: float, s: Array) -> Array:

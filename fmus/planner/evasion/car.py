@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Literal
 
 import casadi as ca
 import numpy as np
 
+from fmus.cars.grip import with_grip
+from fmus.cars.single_track import SingleTrackCar
 from fmus.planner.gates import Array
 from fmus.planner.vehicle import Vehicle, two_wheel_drive
 from fmus.single_track import model
-from fmus.single_track.data import Car, Tyre
 from fmus.single_track.forces import STATES
 
 Means = Literal["steer", "brake", "drive", "full brakes"]
@@ -23,16 +24,11 @@ FRONT, REAR, STEERING_RATE = (-6e3, 0.0), (-4e3, 5e3), 0.5
 """Axle forces at friction 1 [N] and steering rate [rad/s]: engineering choices, 92 % and 71 % of the axles' grip."""
 
 
-def motion(car: Car) -> ca.Function:
+def motion(car: SingleTrackCar) -> ca.Function:
     """f(x, u, mu) -> x': on friction mu the peaks are mu D, the factors B/mu, the grip mu F_z."""
     x, u, mu = ca.SX.sym("x", len(STATES)), ca.SX.sym("u", len(model.INPUTS)), ca.SX.sym("mu")
     x_dot = model.derivative(with_grip(car, mu), x, u, mu)
     return ca.Function("evading", [x, u, mu], [ca.cse(x_dot)], ["x", "u", "mu"], ["x_dot"])
-
-
-def with_grip(car: Car, part: Any) -> Car:
-    """The car with this `part` of its lateral peaks, a number or a symbol; the slip stiffness keeps."""
-    return replace(car, front=_with_grip(car.front, part), rear=_with_grip(car.rear, part))
 
 
 def input_limits(mu: float, means: Means) -> tuple[Array, Array]:
@@ -45,14 +41,10 @@ def input_limits(mu: float, means: Means) -> tuple[Array, Array]:
     return least, most
 
 
-def evading_car(car: Car, mu: float, means: Means, slowest: float = 0.0) -> Vehicle:
+def evading_car(car: SingleTrackCar, mu: float, means: Means, slowest: float = 0.0) -> Vehicle:
     """The car for the planner, on friction `mu`, never slower than `slowest` [m/s]."""
     vehicle = two_wheel_drive(with_grip(car, mu), friction=mu)
     (low, high), lower, upper = input_limits(mu, means), vehicle.lower.copy(), vehicle.upper.copy()
     lower[2], lower[3], upper[3] = max(lower[2], slowest), -SIDESLIP, SIDESLIP
     idle = np.clip(np.zeros(3), low, high)
     return replace(vehicle, lower=lower, upper=upper, input_lower=low, input_upper=high, idle=idle)
-
-
-def _with_grip(tyre: Tyre, part: Any) -> Tyre:
-    return replace(tyre, B=tyre.B / part, D=tyre.D * part)

@@ -8,7 +8,7 @@ from typing import Literal
 
 from fmus.planner.evasion.braking import impact_speed, stopping_distance
 from fmus.planner.evasion.situation import Encounter, Surroundings, checked
-from fmus.planner.evasion.table import Table
+from fmus.planner.evasion.table import LastPointTable
 
 Action = Literal["brake", "steer", "brake and steer", "mitigate"]
 ACTIONS: tuple[Action, ...] = ("brake", "steer", "brake and steer", "mitigate")
@@ -37,7 +37,7 @@ class Decision:
         return ACTIONS.index(self.action)
 
 
-def decide(encounter: Encounter, table: Table, surroundings: Surroundings | None = None) -> Decision:
+def decide(encounter: Encounter, table: LastPointTable, surroundings: Surroundings | None = None) -> Decision:
     """The first action whose last point the car has not passed when the manoeuvre can begin.
 
     An obstacle beside which there is no room on the road can only be braked for. Raises PlanningError for an encounter
@@ -53,7 +53,7 @@ def decide(encounter: Encounter, table: Table, surroundings: Surroundings | None
     return Decision(action, left, **last, impact=impact)
 
 
-def _last_point(table: Table, column: str, e: Encounter, s: Surroundings) -> float:
+def _last_point(table: LastPointTable, column: str, e: Encounter, s: Surroundings) -> float:
     """An obstacle narrower than the table's is passed as the narrowest; too wide a one has no last point to steer."""
     offset = max(s.offset(e.width), float(table.offsets[0]))
     if offset > table.offsets[-1]:

@@ -6,13 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fmus.cars import published
+from fmus.cars.grip import with_grip
+from fmus.cars.single_track import SingleTrackCar
 from fmus.planner import hocp
-from fmus.planner.evasion.car import Means, evading_car, with_grip
+from fmus.planner.evasion.car import Means, evading_car
 from fmus.planner.evasion.situation import Encounter, Surroundings
 from fmus.planner.gates import Array, Gates, checked
-from fmus.planner.hocp import Plan, Settings
+from fmus.planner.hocp import Plan, PlanSettings
 from fmus.planner.program import Ends, Nodes
-from fmus.single_track.data import Car, car
 
 _BEFORE, _AFTER = 30, 45
 """Intervals before the obstacle and from there to the end."""
@@ -66,11 +68,13 @@ def ends(speed: float, lane: float) -> Ends:
     return Ends(np.array([0.0, 0, speed, 0, 0, 0, 0]), np.array([0.0, lane, np.nan, 0, 0, 0, 0]))
 
 
-def lane_change(encounter: Encounter, means: Means, surroundings: Surroundings, data: Car | None = None) -> Plan:
+def lane_change(
+    encounter: Encounter, means: Means, surroundings: Surroundings, data: SingleTrackCar | None = None
+) -> Plan:
     """The plan; raises PlanningError when there is none. Evaluated in one way, so that its digits always agree."""
-    gripping = with_grip(data or car(), _GRIP)
+    gripping = with_grip(data or published.single_track(), _GRIP)
     vehicle = evading_car(gripping, encounter.friction, means, slowest=_SLOWEST * encounter.speed)
-    settings = Settings(compile=False, smoothing=_SMOOTHING)
+    settings = PlanSettings(compile=False, smoothing=_SMOOTHING)
     way, both = road(encounter, surroundings), ends(encounter.speed, surroundings.lane)
     start = _at_constant_speed(way, encounter.speed, surroundings.lane)
     return hocp.plan(vehicle, way, _BEFORE + _AFTER, both, settings, start=start)

@@ -8,14 +8,15 @@ from functools import cache
 import casadi as ca
 import numpy as np
 
+from fmus.cars import published
+from fmus.cars.single_track import SingleTrackCar
 from fmus.planner import compiled
 from fmus.planner.blocks import shots, with_derivatives
 from fmus.planner.errors import PlanningError
 from fmus.planner.evasion.car import Means, input_limits, motion
 from fmus.planner.gates import Array
-from fmus.planner.program import Nodes, Program, decision, roughness, scaled
+from fmus.planner.program import Nodes, NonlinearProgram, decision, roughness, scaled
 from fmus.planner.vehicle import Vehicle, two_wheel_drive
-from fmus.single_track.data import Car, car
 
 _SUBSTEPS = 2
 _SMOOTHING, _HASTE = 1e-4, 1e-3
@@ -68,8 +69,8 @@ class LastPoint:
 class Search:
     """The program of one car, compiled once for all tasks with, or without, an edge."""
 
-    def __init__(self, data: Car | None = None, *, edge: bool, compile_: bool = True) -> None:
-        data = data or car()
+    def __init__(self, data: SingleTrackCar | None = None, *, edge: bool, compile_: bool = True) -> None:
+        data = data or published.single_track()
         self._vehicle = replace(two_wheel_drive(data), f=motion(data))
         self._counts = _WITH_EDGE if edge else _WITHOUT_EDGE
         self._program = _program(self._vehicle, self._counts)
@@ -141,7 +142,7 @@ def search(*, edge: bool, compile_: bool = True) -> Search:
     return Search(edge=edge, compile_=compile_)
 
 
-def _program(vehicle: Vehicle, counts: tuple[int, ...]) -> Program:
+def _program(vehicle: Vehicle, counts: tuple[int, ...]) -> NonlinearProgram:
     """Minimise w_x x + w_y y at the end of the first phase, with free durations; the parameters are mu, w_x, w_y.
 
     The intervals of a phase are equally long.
@@ -157,4 +158,6 @@ def _program(vehicle: Vehicle, counts: tuple[int, ...]) -> Program:
     nlp = {"x": s.column, "f": cost, "g": ca.vertcat(gaps.gaps, equal.T), "p": p}
     zero, free = np.zeros(nlp["g"].numel()), np.full(s.column.numel(), np.inf)
     frames = np.zeros((m + 1, 3))
-    return Program(nlp, -free, free, zero, zero, np.zeros(0), frames, vehicle, m, with_derivatives(nlp, gaps, equal.T))
+    return NonlinearProgram(
+        nlp, -free, free, zero, zero, np.zeros(0), frames, vehicle, m, with_derivatives(nlp, gaps, equal.T)
+    )

@@ -8,6 +8,8 @@ from functools import cache
 
 import numpy as np
 
+from fmus.cars import published
+from fmus.cars.single_track import SingleTrackCar
 from fmus.controllers.reference.interface import ROWS
 from fmus.planner import trajectory
 from fmus.planner.check import fine
@@ -17,9 +19,8 @@ from fmus.planner.evasion.decision import Decision, decide
 from fmus.planner.evasion.lane_change import lane_change
 from fmus.planner.evasion.last_point import Search, Task
 from fmus.planner.evasion.situation import Encounter, Surroundings
-from fmus.planner.evasion.table import Table, read
+from fmus.planner.evasion.table import LastPointTable, read
 from fmus.planner.gates import Array
-from fmus.single_track.data import Car, car
 
 _STEP, _JUMP = 0.02, 1e-3
 """Rows of a stop are `_STEP` [s] apart; an acceleration changes within `_JUMP` [s]."""
@@ -44,14 +45,14 @@ class Manoeuvre:
 
 def manoeuvre(
     encounter: Encounter,
-    table: Table | None = None,
+    table: LastPointTable | None = None,
     surroundings: Surroundings | None = None,
-    data: Car | None = None,
+    data: SingleTrackCar | None = None,
 ) -> Manoeuvre:
     """Decide and plan; raises PlanningError for an encounter that cannot be, or without a plan."""
     s = surroundings or Surroundings()
     decision = decide(encounter, table or read(), s)
-    rows = _rows(encounter, decision, s, data or car())
+    rows = _rows(encounter, decision, s, data or published.single_track())
     return Manoeuvre(decision, _playable(_delayed(rows, encounter.speed, s)))
 
 
@@ -76,7 +77,7 @@ def _playable(rows: Array) -> Array:
     return rows
 
 
-def _rows(e: Encounter, decision: Decision, s: Surroundings, data: Car) -> Array:
+def _rows(e: Encounter, decision: Decision, s: Surroundings, data: SingleTrackCar) -> Array:
     """From the beginning of the manoeuvre on, from the origin."""
     deceleration = s.deceleration * e.friction
     if decision.action in _MEANS:
@@ -90,7 +91,7 @@ def _rows(e: Encounter, decision: Decision, s: Surroundings, data: Car) -> Array
     return stop(e.speed, deceleration)
 
 
-def _brake_and_steer(e: Encounter, left: float, s: Surroundings, data: Car) -> Array:
+def _brake_and_steer(e: Encounter, left: float, s: Surroundings, data: SingleTrackCar) -> Array:
     """Rows up to the obstacle: all brakes, and as far to the side as the grip left by them allows."""
     found = _search(data).solve(Task(e.speed, e.friction, s.offset(e.width), "full brakes", within=left))
     vehicle = evading_car(data, e.friction, "full brakes")
@@ -99,7 +100,7 @@ def _brake_and_steer(e: Encounter, left: float, s: Surroundings, data: Car) -> A
 
 
 @cache
-def _search(data: Car) -> Search:
+def _search(data: SingleTrackCar) -> Search:
     return Search(data, edge=False, compile_=False)
 
 

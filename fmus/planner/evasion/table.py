@@ -22,11 +22,11 @@ OFFSETS = (1.5, 2.5, 3.5)
 SPEEDS = (15.0, 20.0, 25.0, 30.0, 35.0)
 COLUMNS = ("friction", "offset", "speed", "brake", "brake_of_car", "steer", "brake_and_steer")
 FILE = Path(__file__).with_name("last_points.csv")
-"""The table of the default car and road, as `cosim plan collision-avoidance -o` writes it."""
+"""The table of the default car and road, as `fmus plan collision-avoidance -o` writes it."""
 
 
 @dataclass(frozen=True, slots=True)
-class Table:
+class LastPointTable:
     """Rows (n, 7) of `COLUMNS` in SI units, in the order of the grid: friction, offset, speed."""
 
     rows: Array
@@ -61,7 +61,7 @@ def compute(
     speeds: tuple[float, ...] = SPEEDS,
     using: Search | None = None,
     progress: Callable[[int, int], None] = lambda _done, _total: None,
-) -> Table:
+) -> LastPointTable:
     """The table of a road, solved point by point; `progress` (done, total) is told after each."""
     s, using = surroundings or Surroundings(), using or search(edge=True)
     places = [(mu, offset, v) for mu in frictions for offset in offsets for v in speeds]
@@ -75,13 +75,13 @@ def compute(
     return _table(np.array(rows))
 
 
-def write(table: Table, file: Path) -> None:
+def write(table: LastPointTable, file: Path) -> None:
     """Write the table as CSV with six digits; raises PlanningError when the file cannot be written."""
     write_table(COLUMNS, np.array([[float(f"{value:.6g}") for value in row] for row in table.rows]), file)
 
 
 @cache
-def read(file: Path = FILE) -> Table:
+def read(file: Path = FILE) -> LastPointTable:
     """The table of a CSV file; raises PlanningError when it is none."""
     try:
         with file.open(newline="", encoding="utf-8") as source:
@@ -94,11 +94,11 @@ def read(file: Path = FILE) -> Table:
     return table
 
 
-def _table(rows: Array) -> Table:
+def _table(rows: Array) -> LastPointTable:
     frictions, offsets, speeds = (np.unique(rows[:, k]) for k in range(3))
     if not (len(rows) == len(frictions) * len(offsets) * len(speeds) and np.isfinite(rows).all()):
         raise ValueError("its rows are not a grid of friction, offset and speed")
-    return Table(rows[np.lexsort(rows[:, 2::-1].T)], frictions, offsets, speeds)
+    return LastPointTable(rows[np.lexsort(rows[:, 2::-1].T)], frictions, offsets, speeds)
 
 
 def _linear(values: Array, axes: tuple[Array, ...], place: tuple[float, ...]) -> float:

@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .layout import AHEAD, PERIOD
-from .memory import BRAKED, Plan
+from .memory import BRAKED, RollingPlan
 from .search import Tools, constants
 
 Array = NDArray[np.float64]
 _SAMPLE = ("x", "y", "course", "speed", "acceleration", "curvature")
 
 
-def outputs(tools: Tools, p: Mapping[str, Any], plan: Plan, t: float) -> dict[str, float]:
+def outputs(tools: Tools, p: Mapping[str, Any], plan: RollingPlan, t: float) -> dict[str, float]:
     """`reference.*` at time t [s] and `preview[k].*` after it."""
     values = samples(tools, p, plan, np.array([t + PERIOD * k for k in range(AHEAD)])).tolist()
     named = {f"reference.{name}": value for name, value in zip(_SAMPLE, values[0], strict=True)}
@@ -26,7 +26,7 @@ def outputs(tools: Tools, p: Mapping[str, Any], plan: Plan, t: float) -> dict[st
     return named
 
 
-def samples(tools: Tools, p: Mapping[str, Any], plan: Plan, times: Array) -> Array:
+def samples(tools: Tools, p: Mapping[str, Any], plan: RollingPlan, times: Array) -> Array:
     """(AHEAD, 6): x, y, course, speed, acceleration and curvature at the times (AHEAD,) [s], none before the plan."""
     moved = states(tools, p, plan, times)
     course = moved[:, 3] + moved[:, 4]
@@ -37,7 +37,7 @@ def samples(tools: Tools, p: Mapping[str, Any], plan: Plan, times: Array) -> Arr
     return np.where((times < plan.end)[:, None], inside, outside)
 
 
-def states(tools: Tools, p: Mapping[str, Any], plan: Plan, times: Array) -> Array:
+def states(tools: Tools, p: Mapping[str, Any], plan: RollingPlan, times: Array) -> Array:
     """(AHEAD, 9): states, acceleration [m/s2] and curvature [1/m] at times (AHEAD,) [s]; held after the plan's end."""
     k = np.clip(np.searchsorted(plan.times, times, side="right") - 1, 0, max(len(plan.times) - 2, 0))
     since = np.minimum(times, plan.end) - plan.times[k]

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from ..frames import into_frames, out_of_frames
 from .layout import INPUTS, STATES
 from .memory import Tail
-from .search import Ahead, Nodes
+from .search import Ahead, LocalNodes
 from .speed import SLOWEST
 
 Array = NDArray[np.float64]
@@ -16,7 +16,7 @@ _GAIN, _BRAKE = 2.0, 5.0
 """Accelerations [m/s2] of the guessed speed (engineering choice)."""
 
 
-def guess(ahead: Ahead, tail: Tail, drive: float) -> Nodes:
+def guess(ahead: Ahead, tail: Tail, drive: float) -> LocalNodes:
     """The tail, continued: to the middle of the road, the speed changing gently, with the rear force `drive` [N]."""
     frames, N = ahead.gates.frames, len(ahead.fastest) - 1
     known = min(len(tail.T), N)
@@ -29,7 +29,7 @@ def guess(ahead: Ahead, tail: Tail, drive: float) -> Nodes:
     T = 2 * np.hypot(*ahead.gates.steps[:, :2].T) / (x[2, 1:] + x[2, :-1])
     T[:known] = tail.T[:known]
     assert u.shape == (N, INPUTS)
-    return Nodes(out_of_frames(x, frames).T, u, T)
+    return LocalNodes(out_of_frames(x, frames).T, u, T)
 
 
 def _along(x: Array, ahead: Ahead, known: int) -> None:

@@ -11,26 +11,26 @@ import numpy as np
 from ..gates import Gates
 from .guess import guess
 from .layout import AHEAD
-from .memory import BRAKED, ENDED, PLANNING, Plan, Tail
-from .road import Road
-from .search import Ahead, Array, Found, Tools, constants, search
+from .memory import BRAKED, ENDED, PLANNING, RollingPlan, Tail
+from .road import GatedRoad
+from .search import Ahead, Array, LocalSolution, Tools, constants, search
 from .speed import SLOWEST, profile, within_horizon
 
 TAIL, SOFT, BRAKE = 1, 2, 3
 """Fallbacks: the rest of the last problem, a softened problem, braking to a stop."""
 _SETTLED = np.array([0.01, 0.02, 0.01, 0.01])
 """Sideslip [rad], yaw rate [rad/s], steering angle and course to the road [rad] of a car that goes straight on."""
-_NO_TAIL = Tail(np.zeros((0, 7)), np.zeros((0, 3)), np.zeros(0))
+NO_TAIL = Tail(np.zeros((0, 7)), np.zeros((0, 3)), np.zeros(0))
 
 
-def planned_until(tools: Tools, p: Mapping[str, Any], road: Road, plan: Plan, t: float) -> Plan:
+def planned_until(tools: Tools, p: Mapping[str, Any], road: GatedRoad, plan: RollingPlan, t: float) -> RollingPlan:
     """The plan, extended until it reaches time t [s] or is complete."""
     while plan.phase == PLANNING and plan.end < t:
         plan = extended(tools, p, road, plan)
     return plan
 
 
-def extended(tools: Tools, p: Mapping[str, Any], road: Road, plan: Plan) -> Plan:
+def extended(tools: Tools, p: Mapping[str, Any], road: GatedRoad, plan: RollingPlan) -> RollingPlan:
     """The plan with the accepted part of one more local problem, or with what stands in for it."""
     ahead = problem(tools.horizon, p, road, plan)
     found = _hard(tools, p, ahead, plan.tail)
@@ -39,14 +39,14 @@ def extended(tools: Tools, p: Mapping[str, Any], road: Road, plan: Plan) -> Plan
         return _accepted(p, road, plan, found)
     if len(plan.tail.T):
         return _fallen_back(_continued(road, plan), TAIL)
-    softened = search(tools, p, ahead, guess(ahead, _NO_TAIL, 0.0), soft=True)
+    softened = search(tools, p, ahead, guess(ahead, NO_TAIL, 0.0), soft=True)
     plan = _noted(plan, softened, failed=False)
     if softened.solved:
         return _fallen_back(_accepted(p, road, plan, softened), SOFT)
     return _fallen_back(replace(plan, phase=BRAKED, bend=_bend(tools, p, plan)), BRAKE)
 
 
-def problem(horizon: int, p: Mapping[str, Any], road: Road, plan: Plan) -> Ahead:
+def problem(horizon: int, p: Mapping[str, Any], road: GatedRoad, plan: RollingPlan) -> Ahead:
     """The local problem at the end of the plan."""
     gates = road.gates(plan.gate, horizon + 1)
     frames = gates.frames.copy()
@@ -60,7 +60,7 @@ def problem(horizon: int, p: Mapping[str, Any], road: Road, plan: Plan) -> Ahead
     )
 
 
-def fastest(horizon: int, p: Mapping[str, Any], road: Road, gate: int) -> Array:
+def fastest(horizon: int, p: Mapping[str, Any], road: GatedRoad, gate: int) -> Array:
     """Bounds (N+1,) of the speed [m/s]: the last from all of the road in sight, that of the next start by its horizon.
 
     Where the sight ends the car must be able to crawl, at the end of the road the speed is at most `end.speed`.
@@ -82,16 +82,16 @@ def fastest(horizon: int, p: Mapping[str, Any], road: Road, gate: int) -> Array:
     return bounds
 
 
-def _hard(tools: Tools, p: Mapping[str, Any], ahead: Ahead, tail: Tail) -> Found:
+def _hard(tools: Tools, p: Mapping[str, Any], ahead: Ahead, tail: Tail) -> LocalSolution:
     """The problem as it is; when the search from the tail ends without a solution, once more from the road."""
     found = search(tools, p, ahead, guess(ahead, tail, 0.2 * p["limit.rear_drive"]))
     if found.solved or not len(tail.T):
         return found
-    again = search(tools, p, ahead, guess(ahead, _NO_TAIL, 0.2 * p["limit.rear_drive"]))
+    again = search(tools, p, ahead, guess(ahead, NO_TAIL, 0.2 * p["limit.rear_drive"]))
     return replace(again, iterations=again.iterations + found.iterations, time=again.time + found.time)
 
 
-def _accepted(p: Mapping[str, Any], road: Road, plan: Plan, found: Found) -> Plan:
+def _accepted(p: Mapping[str, Any], road: GatedRoad, plan: RollingPlan, found: LocalSolution) -> RollingPlan:
     """With the first M intervals, or with all up to the end of the road and until the car goes straight on."""
     nodes, k = found.nodes, int(p["horizon.accept"])
     left = road.last - plan.gate
@@ -106,14 +106,14 @@ def _accepted(p: Mapping[str, Any], road: Road, plan: Plan, found: Found) -> Pla
     return replace(plan, phase=ENDED) if ends else plan
 
 
-def _continued(road: Road, plan: Plan) -> Plan:
+def _continued(road: GatedRoad, plan: RollingPlan) -> RollingPlan:
     """With the rest of the last problem, which is then used up."""
-    plan = replace(_joined(road, plan, plan.tail), tail=_NO_TAIL)
+    plan = replace(_joined(road, plan, plan.tail), tail=NO_TAIL)
     ends = not road.closed and plan.gate >= road.last
     return replace(plan, phase=ENDED) if ends else plan
 
 
-def _joined(road: Road, plan: Plan, part: Tail) -> Plan:
+def _joined(road: GatedRoad, plan: RollingPlan, part: Tail) -> RollingPlan:
     """With the part; passing the last gate of the road is noted."""
     longer = plan.joined(part.x, part.u, part.T)
     passed = [k for k in range(1, len(part.T) + 1) if _at_end(road, plan.gate + k)]
@@ -123,11 +123,11 @@ def _joined(road: Road, plan: Plan, part: Tail) -> Plan:
     return replace(longer, record=replace(longer.record, final_time=time))
 
 
-def _at_end(road: Road, gate: int) -> bool:
+def _at_end(road: GatedRoad, gate: int) -> bool:
     return gate % road.last == 0 if road.closed else gate == road.last
 
 
-def _noted(plan: Plan, found: Found, *, failed: bool) -> Plan:
+def _noted(plan: RollingPlan, found: LocalSolution, *, failed: bool) -> RollingPlan:
     record = replace(
         plan.record,
         count=plan.record.count + 1,
@@ -141,11 +141,11 @@ def _noted(plan: Plan, found: Found, *, failed: bool) -> Plan:
     return replace(plan, record=record)
 
 
-def _fallen_back(plan: Plan, kind: int) -> Plan:
+def _fallen_back(plan: RollingPlan, kind: int) -> RollingPlan:
     return replace(plan, record=replace(plan.record, fallbacks=plan.record.fallbacks + 1, fallback=kind))
 
 
-def _bend(tools: Tools, p: Mapping[str, Any], plan: Plan) -> float:
+def _bend(tools: Tools, p: Mapping[str, Any], plan: RollingPlan) -> float:
     """Curvature [1/m] of the path at the end of the plan."""
     columns = (np.tile(part[:, None], AHEAD) for part in (plan.x[-1], plan.u[-1]))
     return float(tools.motion(*columns, np.zeros((1, AHEAD)), constants(p))[8, 0])

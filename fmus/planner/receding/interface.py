@@ -6,12 +6,12 @@ from dataclasses import replace
 from pathlib import Path
 
 from fmukit.interface import CsvTable, Variable, group, input_, load_parameters, output, sampled
+from fmus.cars import published
 from fmus.controllers.bus import trajectory_bus
 
 ROWS = 4000
 COLUMNS = ("x", "y", "width_left", "width_right")
 _HERE = Path(__file__).parent
-_CAR = _HERE.parents[1] / "single_track" / "parameters.toml"
 _UNUSED = ("wheel.radius",)
 
 
@@ -19,7 +19,7 @@ def _design() -> list[Variable]:
     """The numbers of the single-track car as `design.*`."""
     return [
         replace(variable, name=f"design.{variable.name}", description=f"assumed {variable.description}")
-        for variable in load_parameters(_CAR)
+        for variable in published.single_track_parameters()
         if variable.name not in _UNUSED
     ]
 

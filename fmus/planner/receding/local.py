@@ -11,24 +11,25 @@ from typing import Any
 
 import casadi as ca
 
+from fmus.cars import published
+from fmus.cars.single_track import SingleTrackCar, single_track_car
 from fmus.planner.blocks import Shots, shots, with_derivatives
 from fmus.planner.program import Symbols, decided, decision
 from fmus.planner.receding.layout import AHEAD, CAR, CONSTANTS, HORIZON, INPUTS, SCALE, STATES, SUBSTEPS, WEIGHTS
 from fmus.planner.shooting import interval
 from fmus.planner.vehicle import two_wheel_drive
 from fmus.single_track import model
-from fmus.single_track.data import Car, car, of
 
 
 @dataclass(frozen=True, slots=True)
-class Problem:
+class LocalProblem:
     """`nlp` and the options `derivatives` of CasADi's solvers for it."""
 
     nlp: dict[str, Any]
     derivatives: dict[str, ca.Function]
 
 
-def problem(horizon: int = HORIZON) -> Problem:
+def problem(horizon: int = HORIZON) -> LocalProblem:
     """The NLP of `horizon` intervals.
 
     x: scaled states (7 x N+1), scaled inputs (3 x N), interval lengths (N), lateral slack of nodes 1..N [m] and slack
@@ -36,7 +37,7 @@ def problem(horizon: int = HORIZON) -> Problem:
     at the last gate, constants of the car. g: gaps (7 x N), course and yaw rate at the last node relative to the road.
     """
     N = horizon
-    vehicle = replace(two_wheel_drive(car()), f=_derivative())
+    vehicle = replace(two_wheel_drive(published.single_track()), f=_derivative())
     steps, before, weights = ca.MX.sym("steps", 3, N), ca.MX.sym("before", INPUTS), ca.MX.sym("weights", len(WEIGHTS))
     kappa, c = ca.MX.sym("kappa"), ca.MX.sym("c", CONSTANTS)
     S = _softening(N)
@@ -54,7 +55,7 @@ def problem(horizon: int = HORIZON) -> Problem:
         "g": ca.vertcat(gaps.gaps, ends),
         "p": ca.veccat(steps, before, weights, kappa, c),
     }
-    return Problem(nlp, with_derivatives(nlp, gaps, ends))
+    return LocalProblem(nlp, with_derivatives(nlp, gaps, ends))
 
 
 def _softening(N: int) -> ca.DM:
@@ -97,6 +98,6 @@ def _derivative() -> ca.Function:
     return ca.Function("single_track", [x, u, c], [ca.cse(rate)], ["x", "u", "c"], ["x_dot"])
 
 
-def _car(c: ca.SX) -> Car:
+def _car(c: ca.SX) -> SingleTrackCar:
     """The car of the constants; forces act on it, so the wheel radius is of no account."""
-    return of({**dict(zip(CAR, ca.vertsplit(c[: len(CAR)]), strict=True)), "wheel.radius": 0.0})
+    return single_track_car({**dict(zip(CAR, ca.vertsplit(c[: len(CAR)]), strict=True)), "wheel.radius": 0.0})

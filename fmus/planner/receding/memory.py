@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import astuple, dataclass, field, fields
+from dataclasses import astuple, dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
@@ -45,7 +45,7 @@ class Tail:
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class RollingPlan:
     """Nodes at `times` (n,) [s] with states `x` (n, 7) in the world; `u` (n, 3) holds from each node on.
 
     The last node is at gate number `gate`; its input is that of the interval before. `bend` [1/m] is the curvature of
@@ -66,23 +66,20 @@ class Plan:
         """Time [s] of the last node."""
         return float(self.times[-1])
 
-    def joined(self, x: Array, u: Array, T: Array) -> Plan:
+    def joined(self, x: Array, u: Array, T: Array) -> RollingPlan:
         """With k more intervals: states (k, 7) at their ends, inputs (k, 3), lengths (k,) [s]."""
-        return Plan(
-            np.concatenate([self.times, self.end + np.cumsum(T)]),
-            np.vstack([self.x, x]),
-            np.vstack([self.u[:-1], u, u[-1:]]),
-            self.gate + len(T),
-            self.phase,
-            self.bend,
-            self.tail,
-            self.record,
+        return replace(
+            self,
+            times=np.concatenate([self.times, self.end + np.cumsum(T)]),
+            x=np.vstack([self.x, x]),
+            u=np.vstack([self.u[:-1], u, u[-1:]]),
+            gate=self.gate + len(T),
         )
 
-    def since(self, t: float) -> Plan:
+    def since(self, t: float) -> RollingPlan:
         """Without the nodes that are no longer needed at time t [s] or later."""
         k = int(np.clip(np.searchsorted(self.times, t, side="right") - 1, 0, len(self.times) - 1))
-        return Plan(self.times[k:], self.x[k:], self.u[k:], self.gate, self.phase, self.bend, self.tail, self.record)
+        return replace(self, times=self.times[k:], x=self.x[k:], u=self.u[k:])
 
 
 _HEAD = 5
@@ -95,7 +92,7 @@ def size(horizon: int) -> int:
     return _HEAD + _RECORD + _ROW * (CAPACITY + horizon)
 
 
-def to_numbers(plan: Plan, horizon: int) -> Array:
+def to_numbers(plan: RollingPlan, horizon: int) -> Array:
     """The plan as `size(horizon)` numbers; raises ValueError when it has too many nodes."""
     n, k = len(plan.times), len(plan.tail.T)
     if n > CAPACITY:
@@ -107,16 +104,20 @@ def to_numbers(plan: Plan, horizon: int) -> Array:
     return np.concatenate([np.array(head, dtype=float), rows.ravel()])
 
 
-def from_numbers(numbers: Sequence[float], horizon: int) -> Plan:
+def from_numbers(numbers: Sequence[float], horizon: int) -> RollingPlan:
     """The plan that was made these numbers."""
     column = np.asarray(numbers)
     n, k, gate, phase = (int(value) for value in column[:4])
     values: list[Any] = [_as(f.type, column[_HEAD + j]) for j, f in enumerate(fields(Record))]
     rows = column[_HEAD + _RECORD :].reshape(CAPACITY + horizon, _ROW)
-    now, later = rows[:n], rows[CAPACITY : CAPACITY + k]
-    parts = slice(1, 1 + STATES), slice(1 + STATES, None)
-    tail = Tail(later[:, parts[0]], later[:, parts[1]], later[:, 0])
-    return Plan(now[:, 0], now[:, parts[0]], now[:, parts[1]], gate, phase, float(column[4]), tail, Record(*values))
+    T, later, inputs = _columns(rows[CAPACITY : CAPACITY + k])
+    tail, record = Tail(later, inputs, T), Record(*values)
+    return RollingPlan(*_columns(rows[:n]), gate, phase, float(column[4]), tail, record)
+
+
+def _columns(rows: Array) -> tuple[Array, Array, Array]:
+    """Times or lengths (n,), states (n, 7) and inputs (n, 3) of the rows."""
+    return rows[:, 0], rows[:, 1 : 1 + STATES], rows[:, 1 + STATES :]
 
 
 def _as(kind: object, value: float) -> float:

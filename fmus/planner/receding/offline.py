@@ -10,23 +10,23 @@ import casadi as ca
 
 from fmukit.compiling.compiler import host_platform
 from fmukit.compiling.functions import library
+from fmus.cars.single_track import single_track_car
 from fmus.planner.program import Nodes
 from fmus.planner.receding import horizon, road, run
 from fmus.planner.receding.interface import INTERFACE
 from fmus.planner.receding.layout import CAR, HORIZON
 from fmus.planner.receding.local import motion, problem
-from fmus.planner.receding.memory import PLANNING, Plan, Record
+from fmus.planner.receding.memory import PLANNING, Record, RollingPlan
 from fmus.planner.receding.model import kernel
 from fmus.planner.receding.search import OPTIONS, Tools, tools
 from fmus.planner.vehicle import Vehicle, two_wheel_drive
-from fmus.single_track.data import of
 
 
 @dataclass(frozen=True, slots=True)
-class Drive:
+class WholePlan:
     """The whole plan, and the record after each local problem."""
 
-    plan: Plan
+    plan: RollingPlan
     records: tuple[Record, ...]
 
     @property
@@ -62,7 +62,7 @@ def interpreted(horizon: int = HORIZON) -> Tools:
     return tools(ca.nlpsol("local", "ipopt", local.nlp, OPTIONS | local.derivatives), motion())
 
 
-def drive(tools: Tools, p: Mapping[str, Any], table: Sequence[Sequence[float]] = (), most: int = 1000) -> Drive:
+def drive(tools: Tools, p: Mapping[str, Any], table: Sequence[Sequence[float]] = (), most: int = 1000) -> WholePlan:
     """One local problem after the other to the end of an open road, at most `most`."""
     way = road.read(p, table)
     plan = run.start(p, way)
@@ -70,13 +70,13 @@ def drive(tools: Tools, p: Mapping[str, Any], table: Sequence[Sequence[float]] =
     while plan.phase == PLANNING and len(records) < most:
         plan = horizon.extended(tools, p, way, plan)
         records.append(plan.record)
-    return Drive(plan, tuple(records))
+    return WholePlan(plan, tuple(records))
 
 
 def same_limits(p: Mapping[str, Any]) -> Vehicle:
     """The car and the limits of `p` for the offline planner."""
     vehicle = two_wheel_drive(
-        of({**{name: p[f"design.{name}"] for name in CAR}, "wheel.radius": 0.0}),
+        single_track_car({**{name: p[f"design.{name}"] for name in CAR}, "wheel.radius": 0.0}),
         friction=p["tyre.friction"] if p["tyre.combined_slip"] else None,
         steering_rate=p["limit.steering_rate"],
         front=(-p["limit.front_brake"], 0.0),

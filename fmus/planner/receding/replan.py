@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .memory import Plan
-from .road import Road
+from .memory import RollingPlan
+from .road import GatedRoad
 from .speed import SLOWEST
 
 Array = NDArray[np.float64]
@@ -18,7 +18,9 @@ _AHEAD = 0.5
 """The first gate of the new plan is ahead of the car by at least this part of the spacing."""
 
 
-def restarted(p: Mapping[str, Any], u: Mapping[str, float], road: Road, plan: Plan, now: Array, t: float) -> Plan:
+def restarted(
+    p: Mapping[str, Any], u: Mapping[str, float], road: GatedRoad, plan: RollingPlan, now: Array, t: float
+) -> RollingPlan:
     """The plan, or one that begins at the estimate; `now` (7,) is the planned state at time t [s].
 
     The steering angle is the planned one.
@@ -30,12 +32,12 @@ def restarted(p: Mapping[str, Any], u: Mapping[str, float], road: Road, plan: Pl
     v = float(np.clip(np.hypot(v_x, v_y), SLOWEST, p["limit.speed"]))
     near = now[4] + np.arctan2(np.sin(yaw - now[4]), np.cos(yaw - now[4]))
     state = np.array([x, y, v, np.arctan2(v_y, max(v_x, SLOWEST)), near, u["estimate.yaw_rate"], now[6]])
-    gate = _gate_before(road, plan, state)
+    gate = gate_before(road, plan, state)
     record = replace(plan.record, replans=plan.record.replans + 1)
-    return Plan(np.array([t]), state[None, :], plan.u[:1], gate, record=record)
+    return RollingPlan(np.array([t]), state[None, :], plan.u[:1], gate, record=record)
 
 
-def _gate_before(road: Road, plan: Plan, state: Array) -> int:
+def gate_before(road: GatedRoad, plan: RollingPlan, state: Array) -> int:
     """The gate before the first one that is ahead of the car, searched for near the gates of the plan."""
     first = plan.gate - len(plan.times) - 2
     first = first if road.closed else max(first, 0)

@@ -24,7 +24,7 @@ _AGAINST = -0.7
 
 
 @dataclass(frozen=True, slots=True)
-class Road:
+class GatedRoad:
     """`frames` (n, 3), `low`, `high` (n,) as in `Gates`; `curvature` (n,) [1/m] of the centre line, `spacing` [m].
 
     The last gate of a closed road is its first, one `turn` [rad] later.
@@ -65,7 +65,7 @@ class Road:
         )
 
 
-def read(p: Mapping[str, Any], table: Sequence[Sequence[float]]) -> Road:
+def read(p: Mapping[str, Any], table: Sequence[Sequence[float]]) -> GatedRoad:
     """The road of the table, or the built-in one without; raises ValueError naming what is wrong and where."""
     rows, closed = np.array(table or built_in.rows()), bool(p["road.closed"])
     _check(rows, closed)
@@ -88,7 +88,7 @@ def read(p: Mapping[str, Any], table: Sequence[Sequence[float]]) -> Road:
     return _road(frames, -right, left, spacing, closed)
 
 
-def _road(frames: Array, low: Array, high: Array, spacing: float, closed: bool) -> Road:
+def _road(frames: Array, low: Array, high: Array, spacing: float, closed: bool) -> GatedRoad:
     turn = frames[-1, 2] - frames[0, 2] if closed else 0.0
     heading = frames[:, 2]
     padded = (
@@ -97,7 +97,7 @@ def _road(frames: Array, low: Array, high: Array, spacing: float, closed: bool) 
         else np.concatenate([heading[:1], heading, heading[-1:]])
     )
     curvature = (padded[2:] - padded[:-2]) / (2 * spacing)
-    return Road(frames, low, high, curvature, spacing, closed, float(turn))
+    return GatedRoad(frames, low, high, curvature, spacing, closed, float(turn))
 
 
 def _check(rows: Array, closed: bool) -> None:
@@ -124,7 +124,7 @@ def _overshoots(points: Array) -> bool:
     return bool(max(before @ back, back @ after) < _AGAINST)
 
 
-def to_numbers(road: Road) -> Array:
+def to_numbers(road: GatedRoad) -> Array:
     """The road as DERIVED numbers."""
     d, n = np.zeros(DERIVED), len(road.frames)
     d[:_HEAD] = n, road.spacing, road.closed, road.turn
@@ -133,12 +133,12 @@ def to_numbers(road: Road) -> Array:
     return d
 
 
-def from_numbers(d: Sequence[float]) -> Road:
+def from_numbers(d: Sequence[float]) -> GatedRoad:
     """The road that was made these numbers."""
     numbers = np.asarray(d)
     n = int(numbers[0])
     columns = numbers[_HEAD : _HEAD + _COLUMNS * n].reshape(n, _COLUMNS)
-    return Road(
+    return GatedRoad(
         columns[:, :3],
         columns[:, 3],
         columns[:, 4],

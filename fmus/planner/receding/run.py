@@ -16,7 +16,7 @@ from . import memory, road
 from .bus import outputs, states
 from .horizon import planned_until
 from .layout import AHEAD, HORIZON, PERIOD, SUBSTEPS
-from .memory import CAPACITY, PLANNING, Plan, Record
+from .memory import CAPACITY, PLANNING, Record, RollingPlan
 from .replan import restarted
 from .search import OPTIONS, Tools, tools
 from .speed import SLOWEST, profile
@@ -57,12 +57,12 @@ def sample(
     return memory.to_numbers(plan, tools.horizon), _outputs(tools, p, way, plan, t)
 
 
-def _planned(tools: Tools, p: Values, way: road.Road, plan: Plan, t: float) -> Plan:
+def _planned(tools: Tools, p: Values, way: road.GatedRoad, plan: RollingPlan, t: float) -> RollingPlan:
     """Always one sample more than the preview needs."""
     return planned_until(tools, p, way, plan.since(t), t + _PREVIEW + p["sample_period"])
 
 
-def start(p: Values, way: road.Road) -> Plan:
+def start(p: Values, way: road.GatedRoad) -> RollingPlan:
     """The car on the first gate; raises ValueError when it is not within the limits there."""
     x, y, heading = way.frames[0]
     side, turn = p["initial.lateral"], p["initial.heading"]
@@ -72,10 +72,10 @@ def start(p: Values, way: road.Road) -> Plan:
             f"[{way.low[0]:g}, {way.high[0]:g}] m; start closer to its middle"
         )
     state = [x - side * np.sin(heading), y + side * np.cos(heading), p["initial.speed"], 0.0, heading + turn, 0.0, 0.0]
-    return Plan(np.zeros(1), np.array([state]), np.zeros((1, 3)), 0, record=Record())
+    return RollingPlan(np.zeros(1), np.array([state]), np.zeros((1, 3)), 0, record=Record())
 
 
-def _check(tools: Tools, p: Values, way: road.Road) -> None:
+def _check(tools: Tools, p: Values, way: road.GatedRoad) -> None:
     """Raise ValueError when the parameters do not go together."""
     if not SLOWEST <= p["initial.speed"] <= p["limit.speed"]:
         raise ValueError(
@@ -92,7 +92,7 @@ def _check(tools: Tools, p: Values, way: road.Road) -> None:
         )
 
 
-def _check_speeds(p: Values, way: road.Road) -> None:
+def _check_speeds(p: Values, way: road.GatedRoad) -> None:
     """Raise ValueError where the road is too slow for its gates: the integration between them would not be stable.
 
     The yaw motion dies out with (l_F^2 C_F + l_R^2 C_R)/(I_zz v) [1/s]; a substep takes spacing/(SUBSTEPS v).
@@ -118,7 +118,7 @@ def _check_speeds(p: Values, way: road.Road) -> None:
         )
 
 
-def _outputs(tools: Tools, p: Values, way: road.Road, plan: Plan, t: float) -> dict[str, float]:
+def _outputs(tools: Tools, p: Values, way: road.GatedRoad, plan: RollingPlan, t: float) -> dict[str, float]:
     record = plan.record
     return {
         **outputs(tools, p, plan, t),

@@ -75,7 +75,7 @@ class Ahead:
 
 
 @dataclass(frozen=True, slots=True)
-class Nodes:
+class LocalNodes:
     """States `x` (N+1, 7) in world axes, inputs `u` (N, 3), lengths `T` (N,) [s]."""
 
     x: Array
@@ -84,10 +84,10 @@ class Nodes:
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class LocalSolution:
     """Where a search ended. `violation`: of the constraints, scaled; `slack` [m, m/s]: largest softness used."""
 
-    nodes: Nodes
+    nodes: LocalNodes
     solved: bool
     status: int
     iterations: int
@@ -108,7 +108,7 @@ def constants(p: Mapping[str, Any]) -> Array:
     return np.array([*(p[f"design.{name}"] for name in CAR), friction])
 
 
-def search(tools: Tools, p: Mapping[str, Any], ahead: Ahead, guess: Nodes, *, soft: bool = False) -> Found:
+def search(tools: Tools, p: Mapping[str, Any], ahead: Ahead, guess: LocalNodes, *, soft: bool = False) -> LocalSolution:
     """Solve the local problem, with `soft` beyond its corridor and its last speed where need be."""
     lower, upper, g_lower, g_upper = _bounds(p, ahead, soft=soft)
     first = _packed(into_frames(guess.x.T, ahead.gates.frames), guess.u, guess.T)
@@ -123,7 +123,7 @@ def search(tools: Tools, p: Mapping[str, Any], ahead: Ahead, guess: Nodes, *, so
     wrong = [0.0, *(g_lower - g), *(g - g_upper), *(lower - w), *(w - upper)]
     status = _STATUS.get(stats["return_status"], -4)
     sane = bool(np.isfinite(w).all() and np.isfinite(g).all())
-    return Found(
+    return LocalSolution(
         nodes,
         bool(stats["success"]) and sane,
         status,
@@ -164,12 +164,12 @@ def _column(x: Array, u: Array, T: Array, side: float, fast: float) -> Array:
     return np.concatenate([*scaled, T, np.full(len(T), side), [fast]])
 
 
-def _unpacked(w: Array, frames: Array) -> tuple[Nodes, float]:
+def _unpacked(w: Array, frames: Array) -> tuple[LocalNodes, float]:
     """The nodes in world axes, and the largest slack."""
     N = len(frames) - 1
     X, U, T, side, fast = np.split(w, np.cumsum([STATES * (N + 1), INPUTS * N, N, N]))
     x = X.reshape(N + 1, STATES).T * np.array(SCALE)[:, None]
     x[1, 1:] += side
     x[2, -1] += fast[0]
-    nodes = Nodes(out_of_frames(x, frames).T, U.reshape(N, INPUTS) * np.array(INPUT_SCALE), T)
+    nodes = LocalNodes(out_of_frames(x, frames).T, U.reshape(N, INPUTS) * np.array(INPUT_SCALE), T)
     return nodes, float(max(np.max(np.abs(side)), fast[0]))

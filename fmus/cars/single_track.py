@@ -1,14 +1,9 @@
-"""Numbers of the single-track car, from parameters.toml."""
+"""Numbers of a car with one wheel per axle."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
-
-from fmukit.interface import load_parameters
-
-_PARAMETERS = Path(__file__).parent / "parameters.toml"
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,15 +15,10 @@ class Tyre:
     D: float
     E: float
 
-    @property
-    def cornering_stiffness(self) -> float:
-        """Slope BCD [N/rad] at zero slip."""
-        return self.B * self.C * self.D
-
 
 @dataclass(frozen=True, slots=True)
-class Car:
-    """SI units; the symbols are those of README.md."""
+class SingleTrackCar:
+    """SI units; the symbols are those of ../single_track/README.md. `drag` is c_w rho A / 2 [kg/m]."""
 
     m: float
     I_zz: float
@@ -52,21 +42,10 @@ class Car:
         per_metre = self.m * self.g / self.wheelbase
         return per_metre * self.l_R, per_metre * self.l_F
 
-    @property
-    def understeer_gradient(self) -> float:
-        """m (l_R/C_F - l_F/C_R)/L [rad/(m/s2)], from the cornering stiffnesses."""
-        parts = self.l_R / self.front.cornering_stiffness - self.l_F / self.rear.cornering_stiffness
-        return self.m * parts / self.wheelbase
 
-
-def car(path: Path = _PARAMETERS) -> Car:
-    """The car of a parameter file."""
-    return of({variable.name: float(variable.start) for variable in load_parameters(path)})
-
-
-def of(v: Any) -> Car:
-    """The car whose parameters by name are v[...], numbers or symbols; `drag` is c_w rho A / 2 [kg/m]."""
-    return Car(
+def single_track_car(v: Any) -> SingleTrackCar:
+    """The car whose parameters by name are v[...], numbers or symbols; the names are those of single_track.toml."""
+    return SingleTrackCar(
         m=v["body.mass"],
         I_zz=v["body.inertia.z"],
         l_F=v["geometry.front_axle"],

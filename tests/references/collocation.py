@@ -5,9 +5,9 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
+from fmus.cars.single_track import SingleTrackCar
 from fmus.planner.road import Corridor
 from fmus.single_track import model
-from fmus.single_track.data import Car
 
 DEGREE = 3
 _SCALE = np.array([10, 1, 10, 0.1, 0.1, 0.3, 0.1])
@@ -16,7 +16,7 @@ _LOW = np.array([-30, -np.inf, 3, -0.5, -np.inf, -np.inf, -0.6])
 _HIGH = np.array([140, np.inf, 60, 0.5, np.inf, np.inf, 0.6])
 
 
-def final_time(car: Car, road: Corridor, m: int) -> float:
+def final_time(car: SingleTrackCar, road: Corridor, m: int) -> float:
     """The least end time [s]: states are polynomials of degree 3 on every interval, inputs constant, no smoothing."""
     f, limits = model.function(car), road.limits()
     derivative, _, _ = ca.collocation_coeff(ca.collocation_points(DEGREE, "radau"))

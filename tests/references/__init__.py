@@ -1,0 +1,1 @@
+"""Independent forms of the equations, and peers that only tests compare with."""
