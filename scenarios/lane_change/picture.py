@@ -24,7 +24,11 @@ from scenarios.shared.panels import (
 )
 
 _STEERING = over_time(
-    "steering angle", "deg", {"mpc.command.steer_angle": "commanded", "plant.steer_angle.fl": "left wheel"}, DEGREES
+    "steering angle",
+    "deg",
+    {"mpc.command.steer_angle": "commanded", "plant.steer_angle.fl": "left wheel"},
+    DEGREES,
+    held=True,
 )
 _ATTITUDE = over_time("attitude", "deg", {f"plant.{name}": name for name in ("sideslip", "roll", "pitch")}, DEGREES)
 _DEMAND = over_time(

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from cosim.model.configuration import Configuration
-from fmus.controllers.reference.interface import COLUMNS
 from fmus.controllers.reference.interface import INTERFACE as REFERENCE
-from scenarios.shared.tables import read_rows
+from scenarios.shared.tables import read_columns
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,8 +62,8 @@ def start_at(configuration: Configuration, point: Point, car: str = "") -> None:
 
 def _first_row(file: str) -> Point:
     """The first row of a trajectory, read as ReferenceTrajectory reads it."""
-    first = dict(zip(COLUMNS, read_rows(file, REFERENCE)[0].tolist(), strict=True))
-    return Point(*(first[name] for name in Point._fields))
+    columns = read_columns(file, REFERENCE)
+    return Point(*(float(columns[name][0]) for name in Point._fields))
 
 
 def _wrapped(angle: float) -> float:

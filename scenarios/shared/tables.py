@@ -13,8 +13,8 @@ from fmukit.runtime.description import TableFile
 from fmukit.runtime.table import TableError, read
 
 
-def read_rows(file: str, interface: Interface) -> Vector:
-    """The rows of `file` (n, columns), read as the table of the FMU with this `interface`.
+def read_columns(file: str, interface: Interface) -> dict[str, Vector]:
+    """The columns of `file` by name, read as the table of the FMU with this `interface`.
 
     Raises CosimError with file, row and remedy when the FMU could not read it.
     """
@@ -24,4 +24,5 @@ def read_rows(file: str, interface: Interface) -> Vector:
         cells, count = read(file, TableFile(0, table.columns, table.rows, table.increasing), Path())
     except TableError as error:
         raise CosimError(str(error)) from None
-    return np.reshape(cells, (-1, len(table.columns)))[:count]
+    rows = np.reshape(cells, (-1, len(table.columns)))[:count]
+    return dict(zip(table.columns, rows.T, strict=True))

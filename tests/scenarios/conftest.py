@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from cosim.engine.loader import Loader
+from cosim.engine.models import find
 from cosim.model.configuration import Configuration
 from cosim.model.system import parse_assignments
 from cosim.run import prepare
@@ -35,13 +36,12 @@ def scenario_run(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Run]:
     made.cache_clear()
 
 
-@pytest.fixture
-def configured() -> Configured:
+@pytest.fixture(scope="session")
+def configured() -> Iterator[Configured]:
     """configured(name, "instance.variable=value", ...): the values of the scenario's system before the start."""
+    with Loader(find) as loader:
 
-    def made(name: str, *assignments: str) -> Configuration:
-        request = Request(load(name), Path(), parse_assignments(assignments))
-        with Loader(request.find) as loader:
-            return prepare.configured(request, loader).configuration
+        def made(name: str, *assignments: str) -> Configuration:
+            return prepare.configured(Request(load(name), Path(), parse_assignments(assignments)), loader).configuration
 
-    return made
+        yield made
