@@ -1,4 +1,5 @@
-"""The scenarios, by family: each folder names its scenarios in `__init__`, and holds their systems, metrics and picture.
+"""The scenarios, by family: a folder for each, with its systems, its metrics and its picture.
 
-They are found through the entry points of this project (see `cosim.scenario.discovery`).
+The `__init__` of a family names its scenarios. They are found through the entry points of this project (see
+`cosim.scenario.discovery`).
 """

@@ -50,6 +50,10 @@ class Configuration:
         """What the variable starts with: the value set or defaulted, else the start value of the model."""
         if variable in self._set[instance]:
             return self._set[instance][variable]
+        return self.start(instance, variable)
+
+    def start(self, instance: str, variable: str) -> Value:
+        """The start value of the model, whatever was set."""
         start = self._port(instance, variable, f"{instance}.{variable}").start
         if start is None:
             raise CosimError(f"{instance}.{variable} has no start value; set it")

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Any
-
-from cosim.errors import CosimError
+from cosim.model.configuration import Configuration
 from cosim.model.system import System
-from cosim.results.reading import Results
-from cosim.scenario import Settings
-from scenarios.arbitrary_path import road as _arbitrary_road
+from cosim.scenario.definition import Work
+from cosim.scenario.settings import Settings
+from scenarios.arbitrary_path.metrics import arbitrary_path_metrics
+from scenarios.arbitrary_path.road import LaidRoad, half_width, lay
 from scenarios.shared.sensors import TRUE_STATES
+from scenarios.shared.start import Offset, beside, start_at
 
 _GRIP = 0.85
 _LIMITS = {
@@ -23,11 +22,16 @@ _LIMITS = {
 controller can correct: the single-track car knows no load transfer, and brakes where it has no grip left to steer."""
 
 
-def loop(settings: Settings) -> System:
+def prepare(settings: Settings) -> Settings:
+    """The settings, which `complete` needs: the road can be laid only when the values of the planner are known."""
+    return settings
+
+
+def build(_settings: Settings, _prepared: Settings) -> System:
     """Planner, controller and car; longitudinal forces cost the car lateral ones, as the planner expects."""
     system = System()
     system.add("plant", "DoubleTrack", {"tyre.combined_slip": True})
-    system.add("planner", "RecedingHorizonPlanner", planner_parameters(settings))
+    system.add("planner", "RecedingHorizonPlanner", _LIMITS)
     system.add("mpc", "MpcAllocator")
     system.connect("plant", "planner", TRUE_STATES)
     system.connect("planner", "mpc")
@@ -36,44 +40,25 @@ def loop(settings: Settings) -> System:
     return system
 
 
-def clearance(settings: Settings) -> float:
-    """Distance [m] the centre of gravity keeps from the edges."""
-    return _arbitrary_road.half_width() + float(settings["margin"])
+def complete(configuration: Configuration, settings: Settings) -> LaidRoad:
+    """The road as the planner has it; the car starts where the planner does, `lateral_offset` to the left."""
+    _leave_room(configuration, settings["margin"])
+    laid = lay(configuration)
+    start_at(configuration, beside(laid.start, Offset(lateral=settings["lateral_offset"])))
+    return laid
 
 
-def planner_parameters(settings: Settings) -> dict[str, Any]:
-    """What the scenario sets of the planner."""
-    start = _arbitrary_road.defaults()
-    peaks = {name: _GRIP * start[name] for name in ("design.tyre.front.peak", "design.tyre.rear.peak")}
-    return {"road.clearance": clearance(settings), **_LIMITS, **peaks}
+def _leave_room(configuration: Configuration, margin: float) -> None:
+    """The plan keeps `margin` [m] more from the edges than the car must, and leaves some grip to the controller."""
+    configuration.default("planner", "road.clearance", half_width(configuration) + margin)
+    for peak in ("design.tyre.front.peak", "design.tyre.rear.peak"):
+        configuration.default("planner", peak, _GRIP * configuration.number("planner", peak))
 
 
-def start_beside_plan(system: System, settings: Settings) -> None:
-    """The car starts where the planner does, `lateral_offset` to the left, unless told otherwise."""
-    import numpy as np  # noqa: PLC0415  (lazy: `cosim list`)
-
-    from fmus.planner.errors import PlanningError  # noqa: PLC0415
-    from fmus.planner.receding import run  # noqa: PLC0415
-
-    p = _arbitrary_road.parameters(system.instances["planner"].parameters)
-    try:
-        start = run.start(p, _arbitrary_road.gates(p))
-    except (ValueError, PlanningError) as error:
-        raise CosimError(f"planner: {error}") from None
-    x, y, v, _, yaw, *_ = start.x[0]
-    left = float(settings["lateral_offset"])
-    values = {
-        "initial.position.x": x - left * np.sin(yaw),
-        "initial.position.y": y + left * np.cos(yaw),
-        "initial.yaw": np.arctan2(np.sin(yaw), np.cos(yaw)),
-        "initial.speed": v,
-    }
-    for name, value in values.items():
-        system.instances["plant"].parameters.setdefault(name, float(value))
-
-
-def draw(results: Results, file: Path, title: str) -> None:
-    """overview.png."""
-    from scenarios.arbitrary_path.picture import draw_overview  # noqa: PLC0415  (slow to import)
-
-    draw_overview(results, file, title)
+WORK = Work(
+    prepare=prepare,
+    build=build,
+    complete=complete,
+    metrics=arbitrary_path_metrics,
+    picture="scenarios.arbitrary_path.picture",
+)

@@ -1,80 +1,76 @@
-"""The road of arbitrary-path and the fastest motion along it, as its planner has them: also what is set by hand."""
+"""The road of arbitrary-path as its planner has it, also where it is set by hand, and the fastest motion along it."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from cosim.model.face import Port, Value
-from cosim.model.values import coerce
+import numpy as np
+
+from cosim.errors import CosimError
+from cosim.model.configuration import Configuration
+from cosim.model.signals import Vector
+from fmus.planner.errors import PlanningError
+from fmus.planner.path_road import PathRoad
+from fmus.planner.program import standing_ends
+from fmus.planner.receding import built_in, offline, road, run
+from fmus.planner.receding.interface import INTERFACE as PLANNER
 from scenarios.shared.plans import planned
-
-if TYPE_CHECKING:
-    from fmus.planner.path_road import PathRoad
-    from fmus.planner.receding.road import GatedRoad
+from scenarios.shared.start import Point
+from scenarios.shared.tables import read_columns
 
 
-def defaults() -> dict[str, Any]:
-    """Start values of the planner."""
-    from fmus.planner.receding import COMPONENT  # noqa: PLC0415  (lazy: `cosim list`)
+@dataclass(frozen=True, slots=True)
+class LaidRoad:
+    """The road of a run.
 
-    return {variable.name: variable.start for variable in COMPONENT.interface.select("parameter")}
-
-
-def parameters(given: Mapping[str, Value]) -> dict[str, Any]:
-    """All parameters of the planner, those given in range: the road is laid before the FMU can check them."""
-    from fmus.planner.receding import COMPONENT  # noqa: PLC0415
-
-    ports = {
-        v.name: Port(v.name, 0, v.causality, v.type, unit=v.unit, minimum=v.minimum, maximum=v.maximum)
-        for v in COMPONENT.interface.select("parameter")
-    }
-    return defaults() | {name: coerce("planner", ports[name], given[name]) for name in given if name in ports}
-
-
-def half_width() -> float:
-    """Distance [m] the centre of gravity must keep from the edges of the road."""
-    return float(defaults()["road.clearance"])
-
-
-def gates(p: Mapping[str, Any]) -> GatedRoad:
-    """The gates of the planner; raises ValueError or PlanningError naming what is wrong with the road."""
-    from fmus.planner.receding import road  # noqa: PLC0415
-
-    return road.read(p, _rows(p["road_file"]))
-
-
-def path_road(p: Mapping[str, Any], clearance: float) -> PathRoad:
-    """The road to measure and draw, `clearance` [m] kept from its edges."""
-    import numpy as np  # noqa: PLC0415
-
-    from fmus.planner.path_road import PathRoad  # noqa: PLC0415
-    from fmus.planner.receding import built_in  # noqa: PLC0415
-
-    rows = np.array(_rows(p["road_file"]) or built_in.rows())
-    return PathRoad(rows[:, :2], rows[:, 2:], clearance, p["road.closed"])
-
-
-def optimum(p: Mapping[str, Any]) -> Path:
-    """The time-optimal motion with car, limits and gates of the planner, as a trajectory file.
-
-    It starts anywhere across the road and ends at any speed. Raises CosimError when there is none.
+    `parameters` are what the planner starts with, by name, `gates` those it plans on, and `start` is where its plan
+    begins. `path` is the road up to its edges, from which O1 keeps `half_width` [m] as long as the car is on the road.
     """
-    from fmus.planner.program import standing_ends  # noqa: PLC0415
-    from fmus.planner.receding import offline  # noqa: PLC0415
 
-    ends = standing_ends(p["initial.speed"])
-    ends.first[4] = p["initial.heading"]
-    road = path_road(p, p["road.clearance"])
-    return planned("arbitrary-path", offline.same_limits(p), road, gates(p).last, ends)
+    parameters: Mapping[str, Any]
+    gates: road.GatedRoad
+    start: Point
+    path: PathRoad
+    half_width: float
+
+    @property
+    def drivable(self) -> PathRoad:
+        """Where O1 may be, whatever the plan keeps from the edges."""
+        return replace(self.path, clearance=self.half_width)
+
+    def optimum(self) -> Path:
+        """The time-optimal motion with car, limits and gates of the planner, as a trajectory file from the cache.
+
+        It starts anywhere across the road and ends at any speed. Raises CosimError when there is none.
+        """
+        p = self.parameters
+        ends = standing_ends(p["initial.speed"])
+        ends.first[4] = p["initial.heading"]
+        kept = replace(self.path, clearance=p["road.clearance"])
+        return planned("arbitrary-path", offline.same_limits(p), kept, self.gates.last, ends)
 
 
-def _rows(file: str) -> list[list[float]]:
-    """Rows of the road file; none without a file."""
-    from fmus.planner.path_road import read_road  # noqa: PLC0415
+def half_width(configuration: Configuration) -> float:
+    """Distance [m] that O1 must keep from the edges of the road: what the planner keeps by its start value."""
+    return float(configuration.start("planner", "road.clearance"))
 
-    if not file:
-        return []
-    road = read_road(Path(file))
-    return [[*point, *widths] for point, widths in zip(road.points, road.widths, strict=True)]
+
+def lay(configuration: Configuration) -> LaidRoad:
+    """The road of the instance `planner`; raises CosimError saying what is wrong with its file or its values."""
+    parameters = configuration.values("planner")
+    rows = _rows(str(parameters["road_file"]))
+    try:
+        gates = road.read(parameters, rows.tolist())
+        x, y, speed, _, yaw, *_ = run.start(parameters, gates).x[0].tolist()
+    except (ValueError, PlanningError) as error:
+        raise CosimError(f"planner: {error}") from None
+    path = PathRoad(rows[:, :2], rows[:, 2:], 0.0, bool(parameters["road.closed"]))
+    return LaidRoad(parameters, gates, Point(x, y, yaw, speed), path, half_width(configuration))
+
+
+def _rows(file: str) -> Vector:
+    """x, y and widths to the left and to the right (n, 4) [m] of the road file, of the built-in road without one."""
+    return np.column_stack(list(read_columns(file, PLANNER).values())) if file else built_in.rows()

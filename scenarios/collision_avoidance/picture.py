@@ -3,58 +3,64 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from matplotlib.collections import PolyCollection
 from matplotlib.patches import Polygon
 
 from cosim.results.reading import Results
-from scenarios.collision_avoidance import loop, metrics
+from scenarios.collision_avoidance.evasion import Evasion
+from scenarios.collision_avoidance.geometry import car, clearance, obstacle
 from scenarios.shared.page import draw_page
-from scenarios.shared.tracking_errors import tracking_errors
-from scenarios.tracking.picture import plot
+from scenarios.shared.panels import (
+    DEGREES,
+    WHEEL_TORQUES,
+    driven_path,
+    outlines,
+    over_time,
+    position_errors,
+    speeds,
+)
 
-_ACTIONS = ("brakes", "steers", "brakes and steers", "cannot avoid it and brakes and steers")
-_WHEELS = ("fl", "fr", "rl", "rr")
+_DOES = ("brakes", "steers", "brakes and steers", "cannot avoid it and brakes and steers")
 _EVERY = 4.0
+_ANGLES = over_time(
+    "angles",
+    "deg",
+    {"plant.steer_angle.fl": "steering angle", "plant.yaw": "yaw", "plant.sideslip": "sideslip"},
+    DEGREES,
+)
+_ACCELERATIONS = over_time(
+    "acceleration of O1, body axes",
+    "m/s2",
+    {"plant.acceleration.x": "longitudinal", "plant.acceleration.y": "lateral"},
+)
 
 
-def draw_overview(results: Results, file: Path, title: str) -> None:
+def draw(results: Results, planned: Evasion, file: Path, title: str) -> None:
     """Draw all panels and save them to `file`."""
-    panels = (
-        *(_gap, _speeds, _errors),
-        *(_steering, _accelerations, _torques),
-    )
-    draw_page(results, file, title, _path, panels)
+    gap = partial(_gap, planned=planned)
+    panels = (gap, speeds, position_errors, _ANGLES, _ACCELERATIONS, WHEEL_TORQUES)
+    draw_page(results, file, title, partial(_path, planned=planned), panels)
 
 
-def _path(results: Results, axes: Any) -> None:
-    x, y = results["plant.position.x"], results["plant.position.y"]
-    _road(results, axes)
-    rows = results.instants("reference")
-    axes.plot(results["reference.reference.x"][rows], results["reference.reference.y"][rows], "k--", label="plan")
-    axes.plot(x, y, color="tab:blue", label="car (O1)")
-    some = np.flatnonzero(np.diff(np.floor(_EVERY * results.time), prepend=-1.0) > 0)
-    shapes = list(metrics.car(results)[some])
-    axes.add_collection(PolyCollection(shapes, facecolors="none", edgecolors="tab:blue"))
-    axes.add_patch(Polygon(metrics.obstacle(results), color="tab:red", alpha=0.6, label="obstacle"))
-    decided = loop.decision(results.settings)
+def _path(results: Results, axes: Any, planned: Evasion) -> None:
+    _road(axes, planned)
+    driven_path(results, axes)
+    outlines(results, axes, car(results, planned.surroundings), _EVERY)
+    axes.add_patch(Polygon(obstacle(planned), color="tab:red", alpha=0.6, label="obstacle"))
     axes.set(xlabel="x [m]", ylabel="y [m], three times as wide")
-    axes.set_title(f"the car {_ACTIONS[decided.code]}; drawn every {1 / _EVERY:g} s")
+    axes.set_title(f"the car {_DOES[planned.decision.code]}; drawn every {1 / _EVERY:g} s")
     axes.set_aspect(3.0, adjustable="datalim")
     axes.legend(loc="upper left", ncols=4, fontsize="small")
 
 
-def _road(results: Results, axes: Any) -> None:
+def _road(axes: Any, planned: Evasion) -> None:
     """Edges and lanes, and the last points: where O1 is when the front bumper is that far from the obstacle."""
-    from fmus.planner.evasion.situation import Surroundings  # noqa: PLC0415  (lazy: `cosim list`)
-
-    s, met = Surroundings(), loop.encounter(results.settings)
+    s, met, decided = planned.surroundings, planned.encounter, planned.decision
     for y, style in ((-0.5 * s.lane, "-"), (0.5 * s.lane, "--"), (1.5 * s.lane, "-")):
         axes.axhline(y, color="tab:gray", linestyle=style)
-    decided = loop.decision(results.settings)
     lines = (("brake", decided.brake, "C1"), ("steer", decided.steer, "C2"), ("both", decided.brake_and_steer, "C4"))
     for name, way, color in lines:
         if math.isfinite(way):
@@ -62,39 +68,6 @@ def _road(results: Results, axes: Any) -> None:
     axes.axvline(s.delay * met.speed, color="k", linestyle=":", label="manoeuvre begins")
 
 
-def _gap(results: Results, axes: Any) -> None:
-    axes.plot(results.time, metrics.clearance(results), label="distance from the obstacle")
+def _gap(results: Results, axes: Any, planned: Evasion) -> None:
+    axes.plot(results.time, clearance(results, planned), label="distance from the obstacle")
     axes.set(title="distance of the two rectangles", ylabel="m")
-
-
-def _speeds(results: Results, axes: Any) -> None:
-    plot(results, axes, "reference.reference.speed", "plan")
-    plot(results, axes, "plant.velocity.x", "forward")
-    axes.set(title="speed", ylabel="m/s")
-
-
-def _errors(results: Results, axes: Any) -> None:
-    e = tracking_errors(results)
-    axes.plot(e.time, e.lateral, label="lateral")
-    axes.plot(e.time, e.longitudinal, label="longitudinal")
-    axes.set(title="position error in the path frame", ylabel="m")
-
-
-def _steering(results: Results, axes: Any) -> None:
-    degrees = 180.0 / np.pi
-    plot(results, axes, "plant.steer_angle.fl", "steering angle", degrees)
-    plot(results, axes, "plant.yaw", "yaw", degrees)
-    plot(results, axes, "plant.sideslip", "sideslip", degrees)
-    axes.set(title="angles", ylabel="deg")
-
-
-def _accelerations(results: Results, axes: Any) -> None:
-    plot(results, axes, "plant.acceleration.x", "longitudinal")
-    plot(results, axes, "plant.acceleration.y", "lateral")
-    axes.set(title="acceleration of O1, body axes", ylabel="m/s2")
-
-
-def _torques(results: Results, axes: Any) -> None:
-    for i, wheel in enumerate(_WHEELS):
-        plot(results, axes, f"mpc.wheel_torque.{wheel}", wheel, color=f"C{i}", drawstyle="steps-post")
-    axes.set(title="wheel torques", ylabel="N.m")

@@ -2,59 +2,70 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from cosim.results.reading import Results
-from scenarios.lane_change.loop import corridor
-from scenarios.shared.mpc_metrics import largest, mpc_metrics
-from scenarios.shared.tracking_errors import estimate_errors, longest_saturation, peak, rms
+from cosim.scenario.metric import Metric, Metrics
+from fmus.planner.road import Corridor
+from scenarios.lane_change.plan import LaneChange
+from scenarios.shared.mpc_metrics import RESIDUALS, mpc_metrics
+from scenarios.shared.statistics import largest, peak, rms
+from scenarios.shared.tracking_errors import estimate_errors, longest_saturation
 
 _AVAILABLE = "mpc.motor_available."
+"""How the inputs begin that say whether a motor works; recorded are those that change."""
 
 
-def lane_change_metrics(results: Results) -> dict[str, float]:
-    """Metrics of a drive; times [s] and distances [m]."""
-    return {"final_time": final_time(results), "corridor_violation_max": violation(results), **mpc_metrics(results)}
-
-
-def multibody_metrics(results: Results) -> dict[str, float]:
-    """The same, and what a planar car has not: attitude of the body, estimate, actuators of the low level."""
-    error = estimate_errors(results)
-    return lane_change_metrics(results) | {
-        "roll_max": peak(results["plant.roll"]),
-        "pitch_max": peak(results["plant.pitch"]),
-        "position_estimate_rms": rms(np.hypot(error.x, error.y)),
-        "yaw_estimate_rms": rms(error.yaw),
-        "saturation_longest": longest_saturation(results),
+def lane_change_metrics(results: Results, change: LaneChange) -> Metrics:
+    """Metrics of a drive."""
+    return {
+        "final_time": Metric(final_time(results, change.corridor), "s"),
+        "corridor_violation_max": Metric(violation(results, change.corridor), "m"),
+        **mpc_metrics(results),
     }
 
 
-def motor_failure_metrics(results: Results) -> dict[str, float]:
+def multibody_metrics(results: Results, change: LaneChange) -> Metrics:
+    """The same, and what a planar car has not: attitude of the body, estimate, actuators of the low level."""
+    error = estimate_errors(results)
+    return {
+        **lane_change_metrics(results, change),
+        "roll_max": Metric(peak(results["plant.roll"]), "rad"),
+        "pitch_max": Metric(peak(results["plant.pitch"]), "rad"),
+        "position_estimate_rms": Metric(rms(np.hypot(error.x, error.y)), "m"),
+        "yaw_estimate_rms": Metric(rms(error.yaw), "rad"),
+        "saturation_longest": Metric(longest_saturation(results), "s"),
+    }
+
+
+def motor_failure_metrics(results: Results, change: LaneChange) -> Metrics:
     """The same, and what the distribution leaves over from the first sample on that knows of the failure."""
     known = results.instants("mpc")
     lost = np.any([results[name][known] < 1.0 for name in results.names if name.startswith(_AVAILABLE)], axis=0)
-    found = {}
-    for name in ("force_x", "force_y", "moment_z"):
-        found[f"residual_{name}_max_after_failure"] = largest(results.samples("mpc", f"residual.{name}")[lost])
-    return lane_change_metrics(results) | found
+    left = {
+        f"residual_{name}_max_after_failure": Metric(largest(results.samples("mpc", f"residual.{name}")[lost]), unit)
+        for name, unit in RESIDUALS.items()
+    }
+    return {**lane_change_metrics(results, change), **left}
 
 
-def final_time(results: Results) -> float:
-    """When the car reached the end of the corridor, linear between two rows; NaN if it did not."""
-    x, end = results["plant.position.x"], corridor().end
+def final_time(results: Results, corridor: Corridor) -> float:
+    """When [s] the car reached the end of the corridor, linear between two rows; NaN if it did not."""
+    x, end = results["plant.position.x"], corridor.end
     beyond = np.flatnonzero(x >= end)
     if not len(beyond) or not beyond[0]:
-        return float("nan")
+        return math.nan
     rows = [beyond[0] - 1, beyond[0]]
     return float(np.interp(end, x[rows], results.time[rows]))
 
 
-def violation(results: Results) -> float:
-    """How far O1 left the corridor between its ends, at most; NaN if it never was between them.
+def violation(results: Results, corridor: Corridor) -> float:
+    """How far [m] O1 left the corridor between its ends, at most; NaN if it never was between them.
 
     The corridor keeps the clearance from its edges.
     """
-    road = corridor()
     points = np.column_stack([results["plant.position.x"], results["plant.position.y"]])
-    inside = (points[:, 0] >= road.start) & (points[:, 0] <= road.end)
-    return road.violation(points[inside]) if inside.any() else float("nan")
+    inside = (points[:, 0] >= corridor.start) & (points[:, 0] <= corridor.end)
+    return corridor.violation(points[inside]) if inside.any() else math.nan

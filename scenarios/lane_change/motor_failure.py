@@ -1,34 +1,31 @@
-"""The time-optimal double lane change, in which a motor is lost half-way."""
+"""The double lane change of the planar car, in which a motor is lost half-way."""
+
+from __future__ import annotations
+
+from functools import partial
 
 from cosim.model.system import System
-from cosim.scenario import NumberSetting, Scenario, Setting, Settings
-from scenarios.lane_change import loop
+from cosim.scenario.definition import Work
+from cosim.scenario.settings import Settings
 from scenarios.lane_change.metrics import motor_failure_metrics
-from scenarios.shared.catalogue import fmu_path
+from scenarios.lane_change.plan import LaneChange, start_beside_plan
+from scenarios.lane_change.planar import planar_lane_change, planar_system
 
 _MARGIN = 0.1
 """Distance [m] by which the plan keeps off the edges of the corridor, for the feedback to use."""
 
 
-def _build(settings: Settings) -> System:
-    system = loop.planar_loop(settings, _MARGIN)
+def failing_system(settings: Settings, change: LaneChange) -> System:
+    """The planar system with the event of the failure; the controller knows at once."""
+    system = planar_system(settings, change)
     system.at(settings["failure_time"], f"mpc.motor_available.{settings['motor']}", 0.0)
     return system
 
 
-SCENARIO = Scenario(
-    name="motor-failure",
-    title="Double lane change of the planar car that loses one of its four motors half-way",
-    figures="the path of Fig. 3.4 with the distribution of Figs. 3.11 and 3.12 after the loss of a motor",
-    stop_time=7.6,
-    build=_build,
-    complete=loop.start_beside_plan,
-    find=fmu_path,
+WORK = Work(
+    prepare=partial(planar_lane_change, margin=_MARGIN),
+    build=failing_system,
+    complete=start_beside_plan,
     metrics=motor_failure_metrics,
-    draw=loop.draw,
-    settings={
-        "motor": Setting("rr", ("fl", "fr", "rl", "rr"), "the wheel whose motor is lost"),
-        "failure_time": NumberSetting(4.0, 0.0, 7.0, "s", "when it is lost"),
-        **loop.perturbations(),
-    },
+    picture="scenarios.lane_change.picture",
 )

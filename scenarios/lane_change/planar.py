@@ -1,19 +1,41 @@
-"""The time-optimal double lane change of the planar car, started beside the plan."""
+"""The double lane change of the planar car.
 
-from cosim.scenario import Scenario
-from scenarios.lane_change import loop
+Three levels: the plan (fmus/planner) played by ReferenceTrajectory, the predictive controller that tracks it, and its
+distribution of forces to four wheels.
+"""
+
+from __future__ import annotations
+
+from cosim.model.system import System
+from cosim.scenario.definition import Work
+from cosim.scenario.settings import Settings
+from fmus.planner.planned_cars import thesis
 from scenarios.lane_change.metrics import lane_change_metrics
-from scenarios.shared.catalogue import fmu_path
+from scenarios.lane_change.plan import LaneChange, lane_change, start_beside_plan
+from scenarios.shared.sensors import TRUE_STATES
 
-SCENARIO = Scenario(
-    name="double-lane-change",
-    title="Time-optimal double lane change of a planar car with four driven wheels, started 0.3 m beside the plan",
-    figures="Figs. 3.11 to 3.13, of Fig. 3.14 the MPC signals (concept of Fig. 3.3, path of Fig. 3.4)",
-    stop_time=7.5,
-    build=loop.planar_loop,
-    complete=loop.start_beside_plan,
-    find=fmu_path,
+
+def planar_lane_change(settings: Settings, margin: float = 0.0) -> LaneChange:
+    """That of the published car; the plan keeps `margin` [m] more from the edges than the car must."""
+    return lane_change(settings, thesis().vehicle, margin)
+
+
+def planar_system(settings: Settings, change: LaneChange) -> System:
+    """DoubleTrack under MpcAllocator, which sees the true states."""
+    system = System()
+    system.add("plant", "DoubleTrack", {"body_force.y": settings["side_force"]})
+    system.add("reference", "ReferenceTrajectory", {"trajectory_file": str(change.trajectory_file)})
+    system.add("mpc", "MpcAllocator")
+    system.connect("reference", "mpc")
+    system.connect("plant", "mpc", TRUE_STATES)
+    system.connect("mpc", "plant")
+    return system
+
+
+WORK = Work(
+    prepare=planar_lane_change,
+    build=planar_system,
+    complete=start_beside_plan,
     metrics=lane_change_metrics,
-    draw=loop.draw,
-    settings=loop.perturbations(lateral=0.3),
+    picture="scenarios.lane_change.picture",
 )

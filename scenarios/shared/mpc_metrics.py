@@ -1,45 +1,53 @@
-"""How well MpcAllocator follows a trajectory and what its solvers did; SI units, errors of the plant's true states."""
+"""How well MpcAllocator follows a trajectory and what its solvers did; errors of the plant's true states."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from cosim.model.signals import Vector
 from cosim.results.reading import Results
-from scenarios.shared.statistics import peak, rms
+from cosim.scenario.metric import Metric, Metrics, in_unit
+from scenarios.shared.statistics import largest, peak, rms
 from scenarios.shared.tracking_errors import tracking_errors
 
 SOLVED = 1.0
+RESIDUALS = {"force_x": "N", "force_y": "N", "moment_z": "N.m"}
+"""Outputs `residual.*` of MpcAllocator with their units."""
 
 
-def mpc_metrics(results: Results, source: str = "reference") -> dict[str, float]:
-    """Tracking, residuals of the distribution, and solvers; an error "after" a time is the largest from then on."""
+def mpc_metrics(results: Results, source: str = "reference") -> Metrics:
+    """Tracking, residuals of the distribution, and solvers; an error "after" a time is the largest from then on.
+
+    `source` is the instance that gives the reference.
+    """
     e = tracking_errors(results, source)
-    return {
+    distances = {
         "lateral_error_max": peak(e.lateral),
         "lateral_error_rms": rms(e.lateral),
         "lateral_error_after_0.5s": largest(e.lateral[e.time >= 0.5]),
         "lateral_error_after_2s": largest(e.lateral[e.time >= 2.0]),
         "lateral_error_rms_after_2s": rms(e.lateral[e.time >= 2.0]),
         "longitudinal_error_max": peak(e.longitudinal),
-        "speed_error_max": peak(e.speed),
-        "course_error_max": peak(e.course),
-        "sideslip_max": peak(results["plant.sideslip"]),
+    }
+    return {
+        **in_unit("m", distances),
+        "speed_error_max": Metric(peak(e.speed), "m/s"),
+        "course_error_max": Metric(peak(e.course), "rad"),
+        "sideslip_max": Metric(peak(results["plant.sideslip"]), "rad"),
         **residuals(results),
         **solvers(results),
     }
 
 
-def residuals(results: Results) -> dict[str, float]:
+def residuals(results: Results) -> Metrics:
     """What the wheels give less what was wanted: RMS and largest."""
-    found: dict[str, float] = {}
-    for name in ("force_x", "force_y", "moment_z"):
+    found: dict[str, Metric] = {}
+    for name, unit in RESIDUALS.items():
         values = results.samples("mpc", f"residual.{name}")
-        found |= {f"residual_{name}_rms": rms(values), f"residual_{name}_max": peak(values)}
+        found |= in_unit(unit, {f"residual_{name}_rms": rms(values), f"residual_{name}_max": peak(values)})
     return found
 
 
-def solvers(results: Results) -> dict[str, float]:
+def solvers(results: Results) -> Metrics:
     """Samples each solver did not solve, its iterations, and how often an earlier plan was followed."""
     found: dict[str, float] = {}
     for name, prefix in (("solver", "mpc"), ("allocation", "allocation")):
@@ -47,9 +55,4 @@ def solvers(results: Results) -> dict[str, float]:
         found[f"{prefix}_unsolved"] = float(np.sum(status != SOLVED))
         found[f"{prefix}_iterations_mean"] = float(np.mean(iterations))
         found[f"{prefix}_iterations_max"] = peak(iterations)
-    return found | {"fallback_count": peak(results.samples("mpc", "fallback.count"))}
-
-
-def largest(values: Vector) -> float:
-    """Largest magnitude; NaN without values."""
-    return peak(values) if len(values) else float("nan")
+    return in_unit("1", found | {"fallback_count": peak(results.samples("mpc", "fallback.count"))})

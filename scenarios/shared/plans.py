@@ -11,15 +11,18 @@ import logging
 import tempfile
 from collections.abc import Callable, Iterable
 from hashlib import blake2b
+from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+import fmus
 from cosim.errors import CosimError, because
-
-if TYPE_CHECKING:
-    from fmus.planner.hocp import Plan, Road
-    from fmus.planner.program import Ends
-    from fmus.planner.vehicle import Vehicle
+from fmukit import store
+from fmukit.errors import BuildError
+from fmus.planner import hocp, trajectory
+from fmus.planner.errors import PlanningError
+from fmus.planner.hocp import Plan, Road
+from fmus.planner.program import Ends
+from fmus.planner.vehicle import Vehicle
 
 _KINDS = {".py", ".toml"}
 _LOG = logging.getLogger("cosim")
@@ -30,9 +33,6 @@ def planned(name: str, vehicle: Vehicle, road: Road, m: int, ends: Ends | None =
 
     `name` begins the file's name. Raises CosimError when there is no such motion or it cannot be kept.
     """
-    from fmus.planner import hocp, trajectory  # noqa: PLC0415  (lazy: `cosim list`)
-    from fmus.planner.errors import PlanningError  # noqa: PLC0415
-
     settings = hocp.PlanSettings(grid="gate", compile=False)
 
     def make(file: Path) -> None:
@@ -53,8 +53,6 @@ def kept(name: str, parts: Iterable[str | bytes], make: Callable[[Path], None], 
     `doing` is what the log says of making it. Files not used for a month are removed. Raises CosimError when the file
     cannot be kept.
     """
-    from fmukit import store  # noqa: PLC0415
-    from fmukit.errors import BuildError  # noqa: PLC0415
 
     def made() -> bytes:
         _LOG.info("%s %s, which later runs find in %s", doing, name, store.cache_folder())
@@ -82,10 +80,6 @@ def _key(parts: Iterable[str | bytes]) -> str:
 
 def _sources() -> str:
     """Hash of the sources of all components, and the version of CasADi, whose solver finds the plan."""
-    from importlib.metadata import version  # noqa: PLC0415
-
-    import fmus  # noqa: PLC0415
-
     digest = blake2b(version("casadi").encode(), digest_size=16)
     root = Path(fmus.__file__).parent
     for path in sorted(path for path in root.rglob("*") if path.suffix in _KINDS):

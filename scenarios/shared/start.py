@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from pathlib import Path
 from typing import NamedTuple
 
-from cosim.errors import CosimError
 from cosim.model.configuration import Configuration
-from fmukit.runtime.description import TableFile
-from fmukit.runtime.table import TableError, read
 from fmus.controllers.reference.interface import INTERFACE as REFERENCE
+from scenarios.shared.tables import read_columns
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,10 +31,14 @@ class Point(NamedTuple):
 
 def start_on_reference(configuration: Configuration, offset: Offset | None = None, car: str = "") -> None:
     """Start the car, and the filter's belief if there is one, `offset` from the reference unless told otherwise."""
-    offset = offset or Offset()
-    x, y, course, speed = first_point(configuration, car)
+    start_at(configuration, beside(first_point(configuration, car), offset or Offset()), car)
+
+
+def beside(point: Point, offset: Offset) -> Point:
+    """The point that is `offset` from `point`."""
+    x, y, course, speed = point
     x, y = x - offset.lateral * math.sin(course), y + offset.lateral * math.cos(course)
-    start_at(configuration, Point(x, y, course + offset.yaw, speed + offset.speed), car)
+    return Point(x, y, course + offset.yaw, speed + offset.speed)
 
 
 def first_point(configuration: Configuration, car: str = "") -> Point:
@@ -61,14 +62,8 @@ def start_at(configuration: Configuration, point: Point, car: str = "") -> None:
 
 def _first_row(file: str) -> Point:
     """The first row of a trajectory, read as ReferenceTrajectory reads it."""
-    table = REFERENCE.table
-    assert table is not None
-    try:
-        row, _ = read(file, TableFile(0, table.columns, table.rows, table.increasing), Path())
-    except TableError as error:
-        raise CosimError(str(error)) from None
-    first = dict(zip(table.columns, row, strict=False))
-    return Point(*(first[name] for name in Point._fields))
+    columns = read_columns(file, REFERENCE)
+    return Point(*(float(columns[name][0]) for name in Point._fields))
 
 
 def _wrapped(angle: float) -> float:

@@ -19,6 +19,11 @@ def peak(values: Vector) -> float:
     return float(np.max(np.abs(values), initial=0.0))
 
 
+def largest(values: Vector) -> float:
+    """Largest magnitude; NaN without values."""
+    return peak(values) if len(values) else math.nan
+
+
 def rms(values: Vector) -> float:
     """Root of the mean square; NaN without values."""
     return float(np.sqrt(np.mean(values**2))) if len(values) else math.nan

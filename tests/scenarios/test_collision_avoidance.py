@@ -1,16 +1,18 @@
 """An obstacle appears: each action driven on the real FMUs, and what the pictures and metrics are made of."""
 
+import math
+
 import numpy as np
 import pytest
 
-import scenarios
-from cosim.command import display
 from cosim.errors import CosimError
-from cosim.run import Request, run
+from cosim.run.request import Request
+from cosim.run.running import run
+from cosim.scenario.discovery import load
 from fmus.planner.evasion.decision import decide
 from fmus.planner.evasion.situation import Encounter, Surroundings
 from fmus.planner.evasion.table import read
-from scenarios.collision_avoidance import metrics as _avoidance_metrics
+from scenarios.collision_avoidance.geometry import car, clearance, obstacle
 from scenarios.shared.rectangles import footprint, separation
 
 NAME = "collision-avoidance"
@@ -22,60 +24,63 @@ NEITHER = ("scenario.distance=25",)
 
 
 def test_braking_stops_before_the_obstacle(scenario_run):
-    metrics = scenario_run(NAME, *BRAKE)[0]["metrics"]
-    assert metrics["decision"] == 0
-    assert metrics["stop_distance"] == pytest.approx(0.38 * 25 + 25**2 / 16, abs=0.2)
-    assert metrics["clearance_min"] == pytest.approx(50 - metrics["stop_distance"], abs=0.05)
-    assert (metrics["impact"], metrics["impact_speed"]) == (0, None)
-    assert metrics["lateral_error_max"] < 1e-6
+    metrics = scenario_run(NAME, *BRAKE).summary.metrics
+    assert metrics["decision"].value == 0
+    assert metrics["stop_distance"].value == pytest.approx(0.38 * 25 + 25**2 / 16, abs=0.2)
+    assert metrics["clearance_min"].value == pytest.approx(50 - metrics["stop_distance"].value, abs=0.05)
+    assert metrics["impact"].value == 0
+    assert np.isnan(metrics["impact_speed"].value)
+    assert metrics["lateral_error_max"].value < 1e-6
 
 
 def test_steering_passes_the_obstacle(scenario_run):
-    metrics = scenario_run(NAME)[0]["metrics"]
-    assert metrics["decision"] == 1
-    assert metrics["distance_left"] == 40 - 0.38 * 25
-    assert metrics["last_point_to_steer"] < 30.5 < metrics["last_point_to_brake"]
-    assert metrics["clearance_min"] > 0.45 and metrics["road_margin_min"] > 0.2
-    assert metrics["lateral_error_max"] < 0.02
-    assert (metrics["impact"], metrics["stop_distance"], metrics["fallback_count"]) == (0, None, 0)
+    metrics = scenario_run(NAME).summary.metrics
+    assert metrics["decision"].value == 1
+    assert metrics["distance_left"].value == 40 - 0.38 * 25
+    assert metrics["last_point_to_steer"].value < 30.5 < metrics["last_point_to_brake"].value
+    assert metrics["clearance_min"].value > 0.45 and metrics["road_margin_min"].value > 0.2
+    assert metrics["lateral_error_max"].value < 0.02
+    assert metrics["impact"].value == metrics["fallback_count"].value == 0
+    assert np.isnan(metrics["stop_distance"].value)
 
 
 def test_braking_and_steering_passes_it_nearer_and_slower(scenario_run):
-    (summary, results), (_, steered) = scenario_run(NAME, *BOTH), scenario_run(NAME)
-    metrics = summary["metrics"]
-    assert metrics["decision"] == 2
-    assert metrics["last_point_to_brake_and_steer"] < metrics["distance_left"] < metrics["last_point_to_steer"]
-    assert metrics["clearance_min"] > 0.45 and metrics["impact"] == 0
-    assert metrics["lateral_error_max"] < 0.05
-    assert metrics["road_margin_min"] > 0.1
+    driven, steered = scenario_run(NAME, *BOTH), scenario_run(NAME).results
+    metrics, results = driven.summary.metrics, driven.results
+    assert metrics["decision"].value == 2
+    left = metrics["distance_left"].value
+    assert metrics["last_point_to_brake_and_steer"].value < left < metrics["last_point_to_steer"].value
+    assert metrics["clearance_min"].value > 0.45 and metrics["impact"].value == 0
+    assert metrics["lateral_error_max"].value < 0.05
+    assert metrics["road_margin_min"].value > 0.1
     assert results["plant.velocity.x"][-1] < steered["plant.velocity.x"][-1] - 0.5
     assert results["mpc.wheel_torque.rl"].min() < 5 * steered["mpc.wheel_torque.rl"].min() < 0
     assert np.abs(results["plant.acceleration.y"]).max() > 1.1 * np.abs(steered["plant.acceleration.y"]).max()
 
 
 def test_what_cannot_be_avoided_says_how_fast_it_was_hit(scenario_run):
-    summary, results = scenario_run(NAME, *NEITHER)
-    metrics = summary["metrics"]
-    assert metrics["decision"] == 3
-    assert (metrics["impact"], metrics["clearance_min"]) == (1, 0)
-    assert metrics["impact_speed"] == pytest.approx(metrics["impact_speed_expected"], abs=0.6)
-    assert metrics["impact_speed_expected"] == pytest.approx(np.sqrt(25**2 - 16 * 15.5))
+    driven = scenario_run(NAME, *NEITHER)
+    metrics, results = driven.summary.metrics, driven.results
+    assert metrics["decision"].value == 3
+    assert (metrics["impact"].value, metrics["clearance_min"].value) == (1, 0)
+    assert metrics["impact_speed"].value == pytest.approx(metrics["impact_speed_expected"].value, abs=0.6)
+    assert metrics["impact_speed_expected"].value == pytest.approx(np.sqrt(25**2 - 16 * 15.5))
     nose = results["plant.position.x"] + 2.0
     touched = int(np.argmax(nose >= 27.0))
-    assert metrics["impact_speed"] == pytest.approx(results["plant.velocity.x"][touched], abs=0.2)
+    assert metrics["impact_speed"].value == pytest.approx(results["plant.velocity.x"][touched], abs=0.2)
     assert results["plant.position.y"][touched] > 0.2, "the car steers although it will hit"
 
 
 def test_a_slippery_road(scenario_run):
-    metrics = scenario_run(NAME, *SLIPPERY)[0]["metrics"]
-    assert metrics["decision"] == 1 and metrics["impact"] == 0
-    assert metrics["clearance_min"] > 0.45 and metrics["lateral_error_max"] < 0.05
+    metrics = scenario_run(NAME, *SLIPPERY).summary.metrics
+    assert metrics["decision"].value == 1 and metrics["impact"].value == 0
+    assert metrics["clearance_min"].value > 0.45 and metrics["lateral_error_max"].value < 0.05
 
 
 @pytest.mark.parametrize("assignments", [(), BRAKE, BOTH, NEITHER, FAST, SLIPPERY])
 def test_the_car_acts_when_it_has_reacted_and_not_before(scenario_run, assignments):
-    metrics = scenario_run(NAME, *assignments)[0]["metrics"]
-    assert 0.3 <= metrics["first_action"] < 0.4
+    metrics = scenario_run(NAME, *assignments).summary.metrics
+    assert 0.3 <= metrics["first_action"].value < 0.4
 
 
 @pytest.mark.parametrize("action", ["brake", "steer", "brake_and_steer"])
@@ -83,10 +88,11 @@ def test_the_car_acts_when_it_has_reacted_and_not_before(scenario_run, assignmen
 def test_each_action_works_just_before_its_last_point(scenario_run, action, speed):
     last = getattr(decide(Encounter(speed, 100.0), read()), action)
     distance = last + 0.38 * speed + 0.01
-    metrics = scenario_run(NAME, f"scenario.speed={speed}", f"scenario.distance={distance}")[0]["metrics"]
+    metrics = scenario_run(NAME, f"scenario.speed={speed}", f"scenario.distance={distance}").summary.metrics
     if not (speed == 15 and action == "steer"):  # there the car would rather brake
-        assert metrics["decision"] == ("brake", "steer", "brake_and_steer").index(action)
-    assert metrics["impact"] == 0 and metrics["clearance_min"] > 0.45 and metrics["road_margin_min"] > 0.1
+        assert metrics["decision"].value == ("brake", "steer", "brake_and_steer").index(action)
+    assert metrics["impact"].value == 0 and metrics["clearance_min"].value > 0.45
+    assert metrics["road_margin_min"].value > 0.1
 
 
 @pytest.mark.nightly
@@ -96,37 +102,35 @@ def test_each_action_works_on_slippery_roads(action, speed, friction, tmp_path):
     distance = getattr(decide(Encounter(speed, 100.0, friction), read()), action) + 0.38 * speed + 0.01
     values = {"speed": speed, "friction": friction, "distance": distance}
     given = [(f"scenario.{name}", str(value)) for name, value in values.items()]
-    metrics = run(Request(scenarios.load(NAME), tmp_path, given, stop_time=20.0))[0]["metrics"]
-    assert metrics["decision"] == ("brake", "steer", "brake_and_steer").index(action)
-    assert metrics["impact"] == 0 and metrics["clearance_min"] > 0.45 and metrics["first_action"] >= 0.3
+    metrics = run(Request(load(NAME), tmp_path, given, stop_time=20.0)).summary.metrics
+    assert metrics["decision"].value == ("brake", "steer", "brake_and_steer").index(action)
+    assert metrics["impact"].value == 0 and metrics["clearance_min"].value > 0.45
+    assert metrics["first_action"].value >= 0.3
 
 
 @pytest.mark.parametrize("assignments", [(), BRAKE, BOTH, NEITHER])
 def test_the_solvers_solve(scenario_run, assignments):
-    metrics = scenario_run(NAME, *assignments)[0]["metrics"]
-    assert metrics["mpc_unsolved"] == metrics["allocation_unsolved"] == metrics["fallback_count"] == 0
+    metrics = scenario_run(NAME, *assignments).summary.metrics
+    assert metrics["mpc_unsolved"].value == metrics["allocation_unsolved"].value == metrics["fallback_count"].value == 0
 
 
-def test_where_there_is_no_room_the_last_points_to_steer_are_null_and_keep_their_unit(tmp_path, capsys):
+def test_where_there_is_no_room_the_last_points_to_steer_are_null_and_keep_their_unit(tmp_path):
     given = [("scenario.width", "7"), ("scenario.distance", "60")]
-    summary, _ = run(Request(scenarios.load(NAME), tmp_path, given, stop_time=0.1))
-    assert (summary["metrics"]["decision"], summary["metrics"]["last_point_to_steer"]) == (0, None)
-    display.show(summary, tmp_path)
-    shown = [line.split() for line in capsys.readouterr().out.splitlines() if "last_point_to_steer" in line]
-    assert [cell for cell in shown[0] if cell.isalpha() or cell == "-"] == ["-", "m"]
+    summary = run(Request(load(NAME), tmp_path, given, stop_time=0.1)).summary
+    assert summary.metrics["decision"].value == 0
+    assert summary.metrics["last_point_to_steer"] == (math.inf, "m")
+    assert summary.data()["metrics"]["last_point_to_steer"] is None
 
 
 def test_the_same_run_gives_the_same_bytes(tmp_path):
     for folder in ("a", "b"):
-        summary, _ = run(Request(scenarios.load(NAME), tmp_path / folder, [("scenario.distance", "25")]))
-        assert summary["status"] == "ok"
+        assert run(Request(load(NAME), tmp_path / folder, [("scenario.distance", "25")])).summary.status == "ok"
     assert (tmp_path / "a" / "results.parquet").read_bytes() == (tmp_path / "b" / "results.parquet").read_bytes()
 
 
 @pytest.mark.parametrize("assignments", [(), NEITHER])
 def test_the_picture_is_drawn(scenario_run, assignments, tmp_path):
-    _, results = scenario_run(NAME, *assignments)
-    scenarios.load(NAME).draw(results, tmp_path / "overview.png", "title")
+    scenario_run(NAME, *assignments).draw(tmp_path / "overview.png")
     assert (tmp_path / "overview.png").read_bytes().startswith(b"\x89PNG")
 
 
@@ -142,15 +146,15 @@ def test_the_picture_is_drawn(scenario_run, assignments, tmp_path):
 )
 def test_what_cannot_be_met(name, value, sentence, tmp_path):
     with pytest.raises(CosimError) as error:
-        run(Request(scenarios.load(NAME), tmp_path, [(f"scenario.{name}", value)]))
+        run(Request(load(NAME), tmp_path, [(f"scenario.{name}", value)]))
     assert sentence in str(error.value)
 
 
 def test_a_run_that_ends_before_the_obstacle_does_not_know(tmp_path):
-    request = Request(scenarios.load(NAME), tmp_path, [("scenario.distance", "50")], stop_time=1.0)
-    metrics = run(request)[0]["metrics"]
-    assert (metrics["impact"], metrics["clearance_min"], metrics["stop_distance"]) == (None, None, None)
-    assert metrics["decision"] == 0
+    request = Request(load(NAME), tmp_path, [("scenario.distance", "50")], stop_time=1.0)
+    metrics = run(request).summary.metrics
+    assert all(np.isnan(metrics[name].value) for name in ("impact", "clearance_min", "stop_distance"))
+    assert metrics["decision"].value == 0
 
 
 @pytest.mark.parametrize(
@@ -166,28 +170,29 @@ def test_a_run_that_ends_before_the_obstacle_does_not_know(tmp_path):
 )
 def test_what_contradicts_the_decision_is_refused(name, value, sentence, tmp_path):
     with pytest.raises(CosimError) as error:
-        run(Request(scenarios.load(NAME), tmp_path, [(name, value)]))
+        run(Request(load(NAME), tmp_path, [(name, value)]))
     assert sentence in str(error.value)
 
 
 def test_what_follows_from_the_settings_may_be_set_by_hand(tmp_path):
     given = [("plant.initial.speed", "25"), ("plant.road_friction.rl", "1.0"), ("plant.initial.position.y", "0.1")]
-    summary, _ = run(Request(scenarios.load(NAME), tmp_path, given, stop_time=0.1))
-    assert summary["status"] == "ok"
+    assert run(Request(load(NAME), tmp_path, given, stop_time=0.1)).summary.status == "ok"
 
 
 def test_the_settings_are_within_the_table():
-    settings, table = scenarios.load(NAME).settings, read()
+    settings, table = load(NAME).settings, read()
     limits = [(settings[name].minimum, settings[name].maximum) for name in ("speed", "friction")]
     assert limits == [(axis[0], axis[-1]) for axis in (table.speeds, table.frictions)]
     assert settings["width"].maximum == Surroundings().road
 
 
 def test_car_and_obstacle_are_where_they_are(scenario_run):
-    _, results = scenario_run(NAME)
-    np.testing.assert_allclose(_avoidance_metrics.car(results)[0], [[2, 0.84], [-2.3, 0.84], [-2.3, -0.84], [2, -0.84]])
-    np.testing.assert_allclose(_avoidance_metrics.obstacle(results), [[46.5, 1], [42, 1], [42, -1], [46.5, -1]])
-    assert _avoidance_metrics.clearance(results)[0] == pytest.approx(40)
+    driven = scenario_run(NAME)
+    planned = driven.plan.configured.prepared
+    shape = car(driven.results, planned.surroundings)[0]
+    np.testing.assert_allclose(shape, [[2, 0.84], [-2.3, 0.84], [-2.3, -0.84], [2, -0.84]])
+    np.testing.assert_allclose(obstacle(planned), [[46.5, 1], [42, 1], [42, -1], [46.5, -1]])
+    assert clearance(driven.results, planned)[0] == pytest.approx(40)
 
 
 def test_separation_by_sampling():

@@ -8,12 +8,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import Run
+from conftest import Configured, Run
 
+from cosim.errors import CosimError
 from cosim.results.reading import Results
-from cosim.results.recorder import PARQUET
-from cosim.run import Request, run
-from cosim.scenario import configured
+from cosim.results.storage import PARQUET
+from cosim.run.request import Request
+from cosim.run.running import run
+from cosim.scenario.discovery import load
 from cosim.ssp.export import export
 from fmus.cars.derived import single_track
 from fmus.cars.nominal import DESIGN
@@ -23,8 +25,6 @@ from fmus.planner.hocp import PlanSettings, plan
 from fmus.planner.planned_cars import multibody
 from fmus.planner.road import double_lane_change
 from fmus.planner.vehicle import two_wheel_drive
-from scenarios import load
-from scenarios.lane_change.loop import corridor
 from scenarios.lane_change.metrics import final_time, violation
 
 UNDISTURBED = "scenario.lateral_offset=0"
@@ -52,13 +52,13 @@ def outside(results: Results) -> float:
 
 
 def test_a_start_beside_the_plan_is_recovered(scenario_run: Run) -> None:
-    summary, results = scenario_run("double-lane-change")
-    metrics = summary["metrics"]
-    assert metrics["lateral_error_max"] == pytest.approx(0.3, abs=1e-9)
-    assert metrics["lateral_error_after_0.5s"] < 0.05
-    assert metrics["lateral_error_after_2s"] < 0.01
-    assert metrics["final_time"] == pytest.approx(7.188, abs=0.02)  # what the plan takes
-    assert (metrics["mpc_unsolved"], metrics["fallback_count"]) == (0.0, 0.0)
+    driven = scenario_run("double-lane-change")
+    metrics, results = driven.summary.metrics, driven.results
+    assert metrics["lateral_error_max"].value == pytest.approx(0.3, abs=1e-9)
+    assert metrics["lateral_error_after_0.5s"].value < 0.05
+    assert metrics["lateral_error_after_2s"].value < 0.01
+    assert metrics["final_time"].value == pytest.approx(7.188, abs=0.02)  # what the plan takes
+    assert (metrics["mpc_unsolved"].value, metrics["fallback_count"].value) == (0.0, 0.0)
     assert np.abs(results["plant.position.y"] - results["reference.reference.y"])[0] == pytest.approx(0.3, abs=1e-9)
 
 
@@ -69,58 +69,62 @@ def test_a_start_beside_the_plan_is_recovered(scenario_run: Run) -> None:
 def test_any_start_beside_the_plan_is_recovered(scenario_run: Run, lateral: float, yaw: float, speed: float) -> None:
     """0.5 m beside, turned by 6 degrees, 1 m/s too fast or too slow, all at once."""
     values = {"lateral_offset": lateral, "yaw_offset": yaw, "speed_offset": speed}
-    metrics = scenario_run("double-lane-change", *(f"scenario.{n}={v}" for n, v in values.items()))[0]["metrics"]
-    assert metrics["lateral_error_after_2s"] < 0.05
-    assert metrics["lateral_error_rms_after_2s"] < 0.01
-    assert metrics["lateral_error_max"] < 1.0
-    assert metrics["fallback_count"] == 0.0
+    metrics = scenario_run("double-lane-change", *(f"scenario.{n}={v}" for n, v in values.items())).summary.metrics
+    assert metrics["lateral_error_after_2s"].value < 0.05
+    assert metrics["lateral_error_rms_after_2s"].value < 0.01
+    assert metrics["lateral_error_max"].value < 1.0
+    assert metrics["fallback_count"].value == 0.0
 
 
 def test_a_constant_side_force_leaves_no_error_with_integral_action(scenario_run: Run) -> None:
     pushed = ("double-lane-change", UNDISTURBED, "scenario.side_force=1000")
-    with_, without = (scenario_run(*pushed, f"mpc.integral.gain={gain}")[0]["metrics"] for gain in (0.2, 0.0))
-    assert with_["lateral_error_rms"] < 0.01
-    assert without["lateral_error_rms"] > 5 * with_["lateral_error_rms"]
-    assert without["lateral_error_rms"] > 0.02
+    with_, without = (scenario_run(*pushed, f"mpc.integral.gain={gain}").summary.metrics for gain in (0.2, 0.0))
+    assert with_["lateral_error_rms"].value < 0.01
+    assert without["lateral_error_rms"].value > 5 * with_["lateral_error_rms"].value
+    assert without["lateral_error_rms"].value > 0.02
 
 
 @pytest.mark.parametrize(("feedback", "limit"), [("truth", 0.005), ("filter", 0.04)])
 def test_the_multibody_car_follows_the_plan_made_for_it(scenario_run: Run, feedback: str, limit: float) -> None:
     """0.20 m is allowed; with the filter six seeds gave 0.019 to 0.032 m."""
-    summary, results = scenario_run("double-lane-change-16dof", f"scenario.feedback={feedback}")
-    metrics = summary["metrics"]
-    assert metrics["lateral_error_max"] < limit
+    driven = scenario_run("double-lane-change-16dof", f"scenario.feedback={feedback}")
+    metrics, results = driven.summary.metrics, driven.results
+    assert metrics["lateral_error_max"].value < limit
     assert np.ptp(results["plant.position.y"]) > 3.0
     assert results["plant.velocity.x"].max() > 30.0
-    assert (metrics["mpc_unsolved"], metrics["fallback_count"]) == (0.0, 0.0)
-    assert metrics["saturation_longest"] < 0.1
+    assert (metrics["mpc_unsolved"].value, metrics["fallback_count"].value) == (0.0, 0.0)
+    assert metrics["saturation_longest"].value < 0.1
 
 
 def test_the_multibody_car_is_steered_by_its_servos_and_kept_level(scenario_run: Run) -> None:
-    _, results = scenario_run("double-lane-change-16dof", "scenario.feedback=truth")
-    _, leaning = scenario_run("double-lane-change-16dof", "scenario.feedback=truth", "llc.suspension.enabled=false")
+    truth = ("double-lane-change-16dof", "scenario.feedback=truth")
+    results, leaning = scenario_run(*truth).results, scenario_run(*truth, "llc.suspension.enabled=false").results
     assert np.array_equal(results["llc.wheel_torque.rl"][::20], results["mpc.wheel_torque.rl"][::20])
     late = results["plant.steer_angle.fl"] - results["mpc.command.steer_angle"]
     assert np.sqrt(np.mean(late**2)) < 2e-3
     assert np.abs(leaning["plant.roll"]).max() > 2 * np.abs(results["plant.roll"]).max()
 
 
-def test_what_the_controller_assumes_of_the_multibody_car_follows_from_that_car() -> None:
-    system = configured(load("double-lane-change-16dof"), [("llc.steering.rate_limit", "0.5")])
-    assumed = system.instances["mpc"].parameters
-    assert assumed["design.body.mass"] == pytest.approx(1500.0)
-    assert float(assumed["actuator.steer_rate"]) == 0.5
-    assert float(assumed["actuator.steer_limit"]) == 0.5
-    assert float(assumed["actuator.steer_lag"]) == pytest.approx(0.03)
-    slow = configured(load("double-lane-change-16dof"), [("llc.steering.filter_time", "0.04")])
-    assert float(slow.instances["mpc"].parameters["actuator.steer_lag"]) == pytest.approx(0.06)
-    assert system.instances["llc"].parameters["speed.fed_through"] is True
+def test_what_the_controller_assumes_of_the_multibody_car_follows_from_that_car(configured: Configured) -> None:
+    values = configured("double-lane-change-16dof", "llc.steering.rate_limit=0.5")
+    assert values.number("mpc", "design.body.mass") == pytest.approx(1500.0)
+    assert values.value("mpc", "actuator.steer_rate") == 0.5
+    assert values.value("mpc", "actuator.steer_limit") == 0.5
+    assert values.number("mpc", "actuator.steer_lag") == pytest.approx(0.03)
+    slow = configured("double-lane-change-16dof", "llc.steering.filter_time=0.04")
+    assert slow.number("mpc", "actuator.steer_lag") == pytest.approx(0.06)
+    assert values.value("llc", "speed.fed_through") is True
 
 
-def test_the_multibody_car_drives_the_plan_documented_for_it() -> None:
-    """That of `fmus plan --car vehicle16dof`; the plan for rear-wheel drive without combined slip is another one."""
+def test_a_filter_time_that_is_no_number_is_one_sentence(configured: Configured) -> None:
+    with pytest.raises(CosimError, match=r"^llc.steering.filter_time = slow is not a number$"):
+        configured("double-lane-change-16dof", "llc.steering.filter_time=slow")
+
+
+def test_the_multibody_car_drives_the_plan_documented_for_it(configured: Configured) -> None:
+    """That of `cosim plan --car vehicle16dof`; the plan for rear-wheel drive without combined slip is another one."""
     settings = PlanSettings(compile=False)
-    file = configured(load("double-lane-change-16dof"), []).instances["reference"].parameters["trajectory_file"]
+    file = configured("double-lane-change-16dof").value("reference", "trajectory_file")
     driven = np.loadtxt(str(file), delimiter=",", skiprows=1)
     made, other = (
         trajectory.table(plan(car, double_lane_change(), 160, settings=settings))
@@ -131,20 +135,21 @@ def test_the_multibody_car_drives_the_plan_documented_for_it() -> None:
 
 
 def test_the_corridor_is_kept_when_a_motor_is_lost(scenario_run: Run) -> None:
-    summary, results = scenario_run("motor-failure")
-    metrics = summary["metrics"]
+    driven = scenario_run("motor-failure")
+    metrics, results = driven.summary.metrics, driven.results
     assert outside(results) == 0.0
-    assert metrics["corridor_violation_max"] == 0.0
+    assert metrics["corridor_violation_max"].value == 0.0
     lost, torque = results["mpc.motor_available.rr"] == 0.0, results["mpc.wheel_torque.rr"]
     assert results.time[lost][0] == 4.0
     assert np.abs(torque[lost]).max() < 1e-6
     assert np.abs(torque[~lost]).max() > 300.0
-    assert (metrics["mpc_unsolved"], metrics["fallback_count"]) == (0.0, 0.0)
+    assert (metrics["mpc_unsolved"].value, metrics["fallback_count"].value) == (0.0, 0.0)
 
 
 def test_residuals_are_what_the_wheels_give_less_what_was_asked(scenario_run: Run) -> None:
     """Longitudinal force and yaw moment put together again from torques and steering angle."""
-    summary, results = scenario_run("motor-failure")
+    driven = scenario_run("motor-failure")
+    metrics, results = driven.summary.metrics, driven.results
     rows = results.instants("mpc")
     U = {w: results[f"mpc.wheel_torque.{w}"][rows] / 0.302 for w in WHEELS}
     delta, d, l_F = results["plant.steer_angle.fl"][rows], 0.84, 1.19016
@@ -155,16 +160,17 @@ def test_residuals_are_what_the_wheels_give_less_what_was_asked(scenario_run: Ru
         left = given - results[f"mpc.demand.{demand}"][rows]
         assert np.abs(left - results[f"mpc.residual.{name}"][rows]).max() < tolerance
         found = np.abs(results[f"mpc.residual.{name}"][rows])
-        assert summary["metrics"][f"residual_{name}_max"] == found.max()
+        assert metrics[f"residual_{name}_max"].value == found.max()
         known = results["mpc.motor_available.rr"][rows] == 0.0
-        assert summary["metrics"][f"residual_{name}_max_after_failure"] == found[known].max() > 0.0
+        assert metrics[f"residual_{name}_max_after_failure"].value == found[known].max() > 0.0
 
 
 def test_without_any_motor_the_car_is_still_steered(scenario_run: Run, tmp_path: Path) -> None:
     """It slows down by drag alone, on the path, and every command is finite."""
     events = [(5.0, f"mpc.motor_available.{wheel}", "0") for wheel in WHEELS]
-    summary, results = run(Request(load("motor-failure"), tmp_path, events=events))
-    assert summary["status"] == "ok"
+    driven = run(Request(load("motor-failure"), tmp_path, events=events))
+    assert driven.summary.status == "ok"
+    results = driven.results
     after = results.time >= 5.0
     assert all(np.abs(results[f"mpc.wheel_torque.{w}"][after]).max() < 1e-6 for w in WHEELS)
     assert np.all(np.isfinite(results["mpc.command.steer_angle"]))
@@ -173,33 +179,32 @@ def test_without_any_motor_the_car_is_still_steered(scenario_run: Run, tmp_path:
 
 
 def test_violation_and_time_by_other_means(scenario_run: Run) -> None:
-    _, results = scenario_run("double-lane-change")
-    assert violation(results) == pytest.approx(outside(results), abs=1e-9)
+    results, corridor = scenario_run("double-lane-change").results, double_lane_change()
+    assert violation(results, corridor) == pytest.approx(outside(results), abs=1e-9)
     x = np.linspace(-30, 140, 200)
-    for mine, theirs in zip(limits(x), corridor().limits().map(len(x))(x[None, :]), strict=True):
+    for mine, theirs in zip(limits(x), corridor.limits().map(len(x))(x[None, :]), strict=True):
         np.testing.assert_allclose(mine, np.array(theirs).ravel(), atol=1e-12)
     rows = np.searchsorted(results["plant.position.x"], 140.0)
-    assert results.time[rows - 1] <= final_time(results) <= results.time[rows]
+    assert results.time[rows - 1] <= final_time(results, corridor) <= results.time[rows]
 
 
 def test_what_a_short_run_cannot_tell_is_left_open(tmp_path: Path) -> None:
-    metrics = run(Request(load("motor-failure"), tmp_path, stop_time=0.3))[0]["metrics"]
+    metrics = run(Request(load("motor-failure"), tmp_path, stop_time=0.3)).summary.metrics
     names = ("final_time", "lateral_error_after_0.5s", "lateral_error_after_2s", "residual_force_x_max_after_failure")
-    assert [metrics[name] for name in names] == [None] * 4
-    assert metrics["lateral_error_max"] < 0.01
+    assert all(np.isnan(metrics[name].value) for name in names)
+    assert metrics["lateral_error_max"].value < 0.01
 
 
-def test_settings_move_the_start_and_push_the_car() -> None:
+def test_settings_move_the_start_and_push_the_car(configured: Configured) -> None:
     values = {"lateral_offset": 0.2, "yaw_offset": 0.1, "speed_offset": -1.0, "side_force": 300.0}
-    scenario = load("double-lane-change")
     on, beside = (
-        configured(scenario, [(f"scenario.{name}", str(value)) for name, value in chosen.items()]).instances["plant"]
+        configured("double-lane-change", *(f"scenario.{name}={value}" for name, value in chosen.items()))
         for chosen in (dict.fromkeys(values, 0.0), values)
     )
-    moved = {name: float(beside.parameters[name]) - float(on.parameters[name]) for name in beside.parameters}
+    moved = {name: beside.number("plant", name) - on.number("plant", name) for name in beside.changed("plant")}
     expected = {"position.x": 0.0, "position.y": 0.2, "yaw": 0.1, "speed": -1.0}
     assert moved == pytest.approx({**{f"initial.{k}": v for k, v in expected.items()}, "body_force.y": 300.0}, abs=1e-6)
-    assert float(on.parameters["initial.speed"]) == pytest.approx(10.0)
+    assert on.value("plant", "initial.speed") == pytest.approx(10.0)
 
 
 def test_runs_are_the_same_to_the_byte(tmp_path: Path) -> None:
@@ -224,8 +229,6 @@ def test_an_exported_system_brings_the_plan_and_names_the_failure(tmp_path: Path
 
 @pytest.mark.parametrize("name", ["double-lane-change", "double-lane-change-16dof"])
 def test_the_picture_is_drawn(scenario_run: Run, tmp_path: Path, name: str) -> None:
-    _, results = scenario_run(name) if name == "double-lane-change" else scenario_run(name, "scenario.feedback=truth")
-    scenario = load(name)
-    assert scenario.draw is not None
-    scenario.draw(results, tmp_path / "overview.png", scenario.title)
+    driven = scenario_run(name) if name == "double-lane-change" else scenario_run(name, "scenario.feedback=truth")
+    driven.draw(tmp_path / "overview.png")
     assert (tmp_path / "overview.png").stat().st_size > 50_000
