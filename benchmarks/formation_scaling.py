@@ -22,15 +22,15 @@ from time import perf_counter, process_time
 import numpy as np
 
 from benchmarks.spread import spread
-from cosim.run import Request, run
-from scenarios import load
+from cosim.run.request import Request
+from cosim.run.running import run
+from scenarios.formation import ADAPTIVE
 
 SIZES = (1, 2, 5, 10, 20, 50)
 ROUNDS = 3
 RATIO, MEMORY, REAL_TIME = 1.15, 3.0, 2.0
 """At most, of the largest formation to one car; at most [MB] per further car; at least, of `CARS` cars."""
 CARS = 10
-_SCENARIO = "formation-adaptive"
 _TURNS = 20
 _TURN = 15 * 64_000_000  # [ns], a multiple of the time between two calls of `progress`
 
@@ -194,10 +194,10 @@ def _here(cars: int, turns: int, wait: Callable[[], None], length: int = _TURN) 
     taken = _Turns(turns, wait, length)
     stop = (turns * length + 2 * 64_000_000) / 1e9
     with tempfile.TemporaryDirectory() as folder:
-        request = Request(load(_SCENARIO), Path(folder), [("scenario.vehicles", str(cars))], stop_time=stop)
-        summary, _ = run(request, progress=taken)
-    if summary["status"] != "ok":
-        raise RuntimeError(f"{_SCENARIO} with {cars} cars: {summary['reason']}")
+        request = Request(ADAPTIVE, Path(folder), [("scenario.vehicles", str(cars))], stop_time=stop)
+        summary = run(request, progress=taken).summary
+    if summary.status != "ok":
+        raise RuntimeError(f"{ADAPTIVE.name} with {cars} cars: {summary.reason}")
     simulated, processor, wall = np.array(taken.taken).T
     costs = [(spent / simulated / cars).tolist() for spent in (processor, wall)]
     return Run(cars, *costs, memory=_memory("VmHWM"), initialised=taken.initialised)

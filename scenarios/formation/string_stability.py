@@ -23,11 +23,13 @@ snr^2/(1 + snr^2), is above 0.99.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
 from cosim.model.signals import Vector
+from cosim.scenario.metric import Metric
+from scenarios.formation.by_car import by_car, largest
 
 FLOOR = 0.2
 """Largest error [m] of the car ahead from which on a ratio means something: receiver, filter and radio leave about 5 cm
@@ -37,36 +39,43 @@ SPEED_FLOOR = 0.5
 CLEAR = 10.0
 
 
-def ratio_metrics(errors: Mapping[int, Vector], floor: float = FLOOR) -> dict[str, float]:
+def ratio_metrics(errors: Mapping[int, Vector]) -> dict[str, Metric]:
     """`car3.string_ratio_max`, `_rms` of the longitudinal error, `_norm_max`, `_norm_rms` of |z|, and the worst of all.
 
     `errors` are z (n, 2) [m] by car, without a car that follows nobody.
     """
-    metrics: dict[str, float] = {}
-    for car in sorted(errors):
-        if car - 1 in errors:
-            ahead, own = errors[car - 1], errors[car]
-            ratios = {
-                "string_ratio": ratio(own[:, 0], ahead[:, 0], floor),
-                "string_ratio_norm": ratio(np.linalg.norm(own, axis=1), np.linalg.norm(ahead, axis=1), floor),
-            }
-            for name, (greatest, mean) in ratios.items():
-                metrics |= {f"car{car}.{name}_max": greatest, f"car{car}.{name}_rms": mean}
-    names = [f"{name}_{kind}" for name in ("string_ratio", "string_ratio_norm") for kind in ("max", "rms")]
-    return {**dict.fromkeys(names, math.nan), **_worst(metrics), **metrics}
+    return _ratios_by_car(
+        {
+            "string_ratio": {k: z[:, 0] for k, z in errors.items()},
+            "string_ratio_norm": {k: np.linalg.norm(z, axis=1) for k, z in errors.items()},
+        },
+        FLOOR,
+    )
 
 
-def speed_ratios(deviations: Mapping[int, Vector], floor: float = SPEED_FLOOR) -> dict[str, float]:
+def speed_ratio_metrics(deviations: Mapping[int, Vector]) -> dict[str, Metric]:
     """`car2.speed_ratio_max`, `_rms` and the worst of all: true speeds of a car over those of the car ahead.
 
     `deviations` (n,) [m/s] from the speed of the formation, by car, the head included.
     """
-    metrics: dict[str, float] = {}
-    for car in sorted(deviations):
-        if car - 1 in deviations:
-            greatest, mean = ratio(deviations[car], deviations[car - 1], floor)
-            metrics |= {f"car{car}.speed_ratio_max": greatest, f"car{car}.speed_ratio_rms": mean}
-    return {**dict.fromkeys(("speed_ratio_max", "speed_ratio_rms"), math.nan), **_worst(metrics), **metrics}
+    return _ratios_by_car({"speed_ratio": deviations}, SPEED_FLOOR)
+
+
+def _ratios_by_car(signals: Mapping[str, Mapping[int, Vector]], floor: float) -> dict[str, Metric]:
+    """`ratio` of signals by name and car, as `car2.NAME_max`, `car2.NAME_rms`, and the worst of all."""
+    figures: dict[int, dict[str, float]] = {}
+    for name, of_cars in signals.items():
+        for car, own, ahead in _pairs(of_cars):
+            greatest, mean = ratio(own, ahead, floor)
+            figures.setdefault(car, {}).update({f"{name}_max": greatest, f"{name}_rms": mean})
+    return by_car(figures, {f"{name}_{kind}": "1" for name in signals for kind in ("max", "rms")})
+
+
+def _pairs(signals: Mapping[int, Vector]) -> Iterator[tuple[int, Vector, Vector]]:
+    """Number, own signal and that of the car ahead, of every car with one ahead."""
+    for car in sorted(signals):
+        if car - 1 in signals:
+            yield car, signals[car], signals[car - 1]
 
 
 def ratio(own: Vector, ahead: Vector, floor: float = FLOOR) -> tuple[float, float]:
@@ -84,18 +93,16 @@ def ratio(own: Vector, ahead: Vector, floor: float = FLOOR) -> tuple[float, floa
 
 def gain_metrics(
     errors: Mapping[int, Vector], speeds: Mapping[int, Vector], lines: Sequence[int], periods: int
-) -> dict[str, float]:
+) -> dict[str, Metric]:
     """`car2.string_gain_max` of speeds and `car3.error_gain_max` of longitudinal errors, and the worst of all.
 
     `errors` (n,) [m], `speeds` (n,) [m/s] by car over `periods` whole periods of the excitation; `lines` as `gains`.
     """
-    metrics: dict[str, float] = {}
+    figures: dict[int, dict[str, float]] = {}
     for name, signals in (("string_gain_max", speeds), ("error_gain_max", errors)):
-        for car in sorted(signals):
-            if car - 1 in signals:
-                found = gains(signals[car], signals[car - 1], lines, periods)
-                metrics[f"car{car}.{name}"] = float(np.nanmax(found)) if np.isfinite(found).any() else math.nan
-    return {**dict.fromkeys(("string_gain_max", "error_gain_max"), math.nan), **_worst(metrics), **metrics}
+        for car, own, ahead in _pairs(signals):
+            figures.setdefault(car, {})[name] = largest(gains(own, ahead, lines, periods).tolist())
+    return by_car(figures, {"string_gain_max": "1", "error_gain_max": "1"})
 
 
 def gains(own: Vector, ahead: Vector, lines: Sequence[int], periods: int, clear: float = CLEAR) -> Vector:
@@ -117,11 +124,3 @@ def _noise(spectrum: Vector, bins: Vector, near: int = 6) -> Vector:
     free = np.setdiff1d(np.arange(1, len(spectrum)), bins)
     nearest = np.argsort(np.abs(free - bins[:, None]), axis=1, kind="stable")[:, :near]
     return np.asarray(np.sqrt(np.mean(spectrum[free[nearest]] ** 2, axis=1)))
-
-
-def _worst(metrics: Mapping[str, float]) -> dict[str, float]:
-    """The largest of each metric over the cars, NaN where no car has one."""
-    by_name: dict[str, list[float]] = {}
-    for name, value in metrics.items():
-        by_name.setdefault(name.partition(".")[2], []).append(value)
-    return {name: max((v for v in values if not math.isnan(v)), default=math.nan) for name, values in by_name.items()}

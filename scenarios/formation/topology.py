@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 from cosim.errors import unknown
 
+HEAD = 1
 Place = tuple[float, float]
 Offsets = Mapping[int, Place]
 """By number of the follower: its place seen from the car it follows."""
@@ -22,6 +23,11 @@ class Spacing:
 
     along: float = 12.0
     across: float = 4.0
+
+
+def prefix(k: int) -> str:
+    """How the names of the instances of car k begin."""
+    return f"car{k}."
 
 
 Leader = Callable[[int], int]
@@ -72,6 +78,11 @@ class Topology:
 
     leader: Leader
     shape: str
+
+    @property
+    def in_a_row(self) -> bool:
+        """Whether everybody drives behind the car with the next lower number, at the start."""
+        return self.shape == "line"
 
     def leaders(self, size: int) -> dict[int, int]:
         """By number of the follower: the car it follows."""

@@ -5,7 +5,7 @@ The excitation is an odd multi-sine on its speed:
     v(t) = v_0 + fade(t) sum_k A/(2 pi f_k) sin(2 pi f_k t + phi_k),   phi_k = -pi k (k - 1)/n      (Schroeder)
 
 All lines have the same amplitude A of acceleration, and those phases keep the largest acceleration small. The lines are
-odd multiples of 1/`PERIOD`: what appears at even ones is noise or distortion, which `_string_stability` compares with.
+odd multiples of 1/`PERIOD`: what appears at even ones is noise or distortion, which `string_stability` compares with.
 """
 
 from __future__ import annotations

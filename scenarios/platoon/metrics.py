@@ -1,4 +1,4 @@
-"""Whether disturbances grow along a platoon: each event is looked at by itself."""
+"""Whether disturbances grow along a platoon: each event is looked at by itself, on true states, in SI units."""
 
 from __future__ import annotations
 
@@ -9,104 +9,96 @@ import numpy as np
 
 from cosim.model.signals import Vector
 from cosim.results.reading import Results
+from cosim.scenario.metric import Metric, Metrics, in_unit
+from scenarios.formation.by_car import largest
 from scenarios.formation.distances import distance_metrics
-from scenarios.formation.metrics import Errors, follower_errors, formation_metrics, warn_of_few_rows
-from scenarios.formation.scenario import leaders
-from scenarios.formation.string_stability import gain_metrics, ratio_metrics, speed_ratios
-from scenarios.formation.system import HEAD
-from scenarios.platoon import system
+from scenarios.formation.errors import FollowerErrors, errors_of_followers
+from scenarios.formation.metrics import follower_metrics, warn_of_few_rows
+from scenarios.formation.string_stability import gain_metrics, ratio_metrics, speed_ratio_metrics
+from scenarios.formation.topology import HEAD
+from scenarios.platoon.events import Span
 from scenarios.platoon.excitation import LINES, PERIOD
+from scenarios.platoon.prepare import Platoon
 from scenarios.platoon.row import SPEED
-from scenarios.shared.tracking_errors import peak
+from scenarios.shared.statistics import peak
 
 _INSTANT = 1e-6  # s
 _OFTEN = 8  # samples in a period of the fastest line
+Errors = Mapping[int, FollowerErrors]
 
 
-def platoon_metrics(results: Results) -> dict[str, float]:
-    """Metrics in SI units; ratios are those while the head brakes and accelerates, gains those of the sweep.
+def platoon_metrics(results: Results, platoon: Platoon) -> Metrics:
+    """Ratios are those while the head brakes and accelerates, gains those of the sweep.
 
     NaN where a run ended before what is measured was over.
     """
-    follows = leaders(results.settings)
-    warn_of_few_rows(results, follows)
-    errors = {k: follower_errors(results, k, leader) for k, leader in follows.items()}
+    warn_of_few_rows(results, platoon.leaders)
+    errors = errors_of_followers(results, platoon.leaders)
+    found: dict[str, Metric] = {}
+    if "push" in platoon.events:
+        found |= _of_push(results, errors, platoon.events["push"], platoon.pushed)
+    if "braking" in platoon.events:
+        found |= _of_braking(results, errors, platoon.events["braking"])
+    if "sweep" in platoon.events:
+        found |= _of_sweep(results, errors, platoon.events["sweep"])
     return {
-        **formation_metrics(results, follows, changes_until=system.span(results.settings, "merge")[1]),
-        **distance_metrics(results, (HEAD, *follows)),
-        **_pushed(results, errors),
-        **_ratios(results, errors),
-        **_gains(results, errors),
+        **follower_metrics(results, errors, platoon.changes_until),
+        **distance_metrics(results, platoon.formation.cars),
+        **found,
     }
 
 
-def _pushed(results: Results, errors: Mapping[int, Errors]) -> dict[str, float]:
+def _of_push(results: Results, errors: Errors, span: Span, pushed: int) -> dict[str, Metric]:
     """Largest error of the pushed car, of all before and of all behind it, until it has died out."""
-    if not system.happens(results.settings, "push"):
-        return {}
-    begin, end = system.span(results.settings, "push")
-    if not _over(results, end):
-        errors = {}
-    sizes = {k: peak(during(results, e, begin, end)[:, 0]) for k, e in errors.items()}
-    car = system.pushed(results.settings)
-    return {
-        "push_error_max": sizes.get(car, math.nan),
-        "push_error_ahead_max": max((v for k, v in sizes.items() if k < car), default=math.nan),
-        "push_error_behind_max": max((v for k, v in sizes.items() if k > car), default=math.nan),
-    }
+    measured = errors if _over(results, span) else {}
+    sizes = {k: peak(during(results, e, span)[:, 0]) for k, e in measured.items()}
+    return in_unit(
+        "m",
+        {
+            "push_error_max": sizes.get(pushed, math.nan),
+            "push_error_ahead_max": largest(size for k, size in sizes.items() if k < pushed),
+            "push_error_behind_max": largest(size for k, size in sizes.items() if k > pushed),
+        },
+    )
 
 
-def _ratios(results: Results, errors: Mapping[int, Errors]) -> dict[str, float]:
-    if not system.happens(results.settings, "braking"):
-        return {}
-    begin, end = system.span(results.settings, "braking")
-    rows = (results.time >= begin - _INSTANT) & (results.time < end - _INSTANT) & _over(results, end)
+def _of_braking(results: Results, errors: Errors, span: Span) -> dict[str, Metric]:
+    rows = _within(results.time, span) & _over(results, span)
     speeds = {k: results[f"car{k}.plant.velocity.x"][rows] - SPEED for k in (HEAD, *errors)}
-    found = ratio_metrics({k: during(results, e, begin, end) for k, e in errors.items()})
-    return {**found, **speed_ratios(speeds)}
+    return {**ratio_metrics({k: during(results, e, span) for k, e in errors.items()}), **speed_ratio_metrics(speeds)}
 
 
-def response_ratios(results: Results, quiet: Results) -> dict[str, float]:
-    """The ratios of a braking alone, of errors less those of the run `quiet` with the same seed where nothing happens.
+def _of_sweep(results: Results, errors: Errors, span: Span) -> dict[str, Metric]:
+    """Amplification by frequency: of speeds from car 2 on, of errors from car 3 on, in the last period of the sweep.
 
-    The noise of sensors and radios is the same in both and drops out, as far as it does not depend on the motion.
+    By then the answer has become periodic. NaN where the rows are too few or do not fill that period evenly.
     """
-    begin, end = system.span({"manoeuvre": "braking"}, "braking")
-
-    def errors(run: Results) -> dict[int, Vector]:
-        follows = leaders(run.settings)
-        return {k: during(run, follower_errors(run, k, leader), begin, end) for k, leader in follows.items()}
-
-    disturbed, calm = errors(results), errors(quiet)
-    return ratio_metrics({k: disturbed[k] - calm[k] for k in disturbed})
-
-
-def _gains(results: Results, errors: Mapping[int, Errors]) -> dict[str, float]:
-    """Amplification by frequency: of speeds from car 2 on, of errors from car 3 on; NaN where the rows are too few or
-    do not fill the periods evenly."""
-    if not system.happens(results.settings, "sweep"):
-        return {}
-    periods = round((system.END - system.SETTLED) / PERIOD)
+    last = Span(span.end - PERIOD, span.end)
     rows = results.instants(f"car{max(errors)}.follower") if errors else np.zeros(0, int)
-    rows = rows[results.time[rows] >= system.SETTLED - _INSTANT]
-    if not _over(results, system.END) or not _even(results.time[rows], periods * PERIOD):
-        return gain_metrics({}, {}, LINES, periods)
-    late = {k: during(results, e, system.SETTLED, system.END)[:, 0] for k, e in errors.items()}
+    rows = rows[results.time[rows] >= last.begin - _INSTANT]
+    if not _over(results, last) or not fill_a_period(results.time[rows]):
+        return gain_metrics({}, {}, LINES, 1)
+    late = {k: during(results, e, last)[:, 0] for k, e in errors.items()}
     speeds = {k: np.asarray(results[f"car{k}.plant.velocity.x"][rows]) for k in (HEAD, *errors)}
-    return gain_metrics(late, speeds, LINES, periods)
+    return gain_metrics(late, speeds, LINES, 1)
 
 
-def _even(time: Vector, span: float) -> bool:
-    """Whether times (n,) are even, often enough for the fastest line, and would begin anew after `span` [s]."""
-    steps = np.diff(time, append=time[0] + span) if len(time) else np.zeros(1)
-    return bool(len(time) >= _OFTEN * max(LINES) * span / PERIOD and np.ptp(steps) < _INSTANT)
+def fill_a_period(time: Vector) -> bool:
+    """Whether times (n,) [s] are even, often enough for the fastest line, and would begin anew after one period."""
+    steps = np.diff(time, append=time[0] + PERIOD) if len(time) else np.zeros(1)
+    return bool(len(time) >= _OFTEN * max(LINES) and np.ptp(steps) < _INSTANT)
 
 
-def during(results: Results, e: Errors, begin: float, end: float) -> Vector:
-    """z (n, 2) [m] of the hand point from `begin` to before `end` [s]; empty when the run ended earlier."""
-    within = (e.time >= begin - _INSTANT) & (e.time < end - _INSTANT)
-    return e.hand[within & _over(results, end)]
+def during(results: Results, e: FollowerErrors, span: Span) -> Vector:
+    """z (n, 2) [m] of the hand point from the begin to before the end of the span; empty when the run ended earlier."""
+    return e.hand[_within(e.time, span) & _over(results, span)]
 
 
-def _over(results: Results, end: float) -> bool:
-    return bool(results.time[-1] >= end - _INSTANT)
+def _within(time: Vector, span: Span) -> np.ndarray:
+    """Where (n,) the times [s] are in the span."""
+    return (time >= span.begin - _INSTANT) & (time < span.end - _INSTANT)
+
+
+def _over(results: Results, span: Span) -> bool:
+    """Whether the run went on to the end of the span."""
+    return bool(results.time[-1] >= span.end - _INSTANT)

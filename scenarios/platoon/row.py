@@ -1,37 +1,53 @@
-"""Where the cars of a platoon are wanted: in a row at `SPEED`, and before one of them has moved in."""
+"""Where the cars of a platoon are wanted: in a row at `SPEED`, and before one of them has moved in.
+
+Across the road, the wanted point at r in the leader's axes swings with its yaw angle, and a hand point a ahead of O1
+answers with y (1 + s a/v): what the law makes of it is multiplied by (1 + s r/v)/(1 + s a/v). With r = a - gap the
+swinging grows from car to car unless a >= gap/2; the hand point is therefore put where the leader is, r = 0.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from dataclasses import replace
 
-from cosim.model.system import System
-from cosim.scenario import Settings
-from scenarios.formation.system import HEAD, Change, name
-from scenarios.formation.topology import Place, offsets, topology
+from cosim.scenario.settings import Settings
+from scenarios.formation.timetable import Formation, Transition
+from scenarios.formation.topology import HEAD, Place, offsets
 
 SPEED = 25.0
 """Of the platoon [m/s]; the headway that the gaps begin with is that of this speed."""
+_MOVE_IN = 14.0  # s after the gap began to open
 _LONGEST_HAND = 50.0  # m; what a follower accepts
 _SAME = 1e-6  # m
 
 
-def merging(settings: Settings) -> int | None:
-    """The car in the middle, which comes from the lane to the left; none without a follower."""
-    size = int(settings["vehicles"])
-    return max(2, size // 2) if size > 1 else None
+def with_merge(formation: Formation, settings: Settings, begin: float) -> Formation:
+    """The row that begins without the car in its middle, which is in the lane to the left; as it is without a follower.
 
-
-def merge(settings: Settings, car: int, times: tuple[float, float]) -> Sequence[Change]:
-    """At the first of `times` [s] the followers of `car` open the gap beside it, at the second it moves in."""
-    row = _row(settings)
+    At `begin` [s] the followers of that car open the gap beside it, and 14 s later it moves in.
+    """
+    if not formation.leaders:
+        return formation
+    car, row = max(2, int(settings["vehicles"]) // 2), _row(settings)
     abreast = row | {car: (row[car][0], settings["lateral_spacing"])}
-    steps = (_beside(settings, car), abreast, row)
-    seen = [_seen(settings, places) for places in steps]
-    return [
-        Change(time, {k: after[k] for k in after if math.dist(after[k], before[k]) > _SAME})
-        for time, before, after in zip(times, seen[:-1], seen[1:], strict=True)
+    seen = [_seen(settings, formation.leaders, places) for places in (_beside(settings, car), abreast, row)]
+    timetable = [
+        Transition(time, _moved(before, after))
+        for time, before, after in zip((begin, begin + _MOVE_IN), seen[:-1], seen[1:], strict=True)
     ]
+    return replace(formation, offsets=seen[0], timetable=timetable)
+
+
+def hand_distances(formation: Formation, settings: Settings) -> dict[int, float]:
+    """`hand.distance` [m] by number of the follower: the hand points are where the leaders are, as far as they can."""
+    row = _row(settings)
+    return {k: min(row[leader][0] - row[k][0], _LONGEST_HAND) for k, leader in formation.leaders.items()}
+
+
+def _moved(before: Mapping[int, Place], after: Mapping[int, Place]) -> dict[int, Place]:
+    """The places of those cars that have others than before."""
+    return {k: after[k] for k in after if math.dist(after[k], before[k]) > _SAME}
 
 
 def _beside(settings: Settings, car: int) -> dict[int, Place]:
@@ -49,31 +65,11 @@ def _row(settings: Settings) -> dict[int, Place]:
 
 
 def _slot(settings: Settings) -> float:
-    """From car to car [m]."""
-    return _gap(settings) if settings["topology"] == "chain" else float(settings["spacing"])
+    """From car to car, O1 to O1 [m]; in a chain everybody adds the headway."""
+    headway = settings["headway"] * SPEED if settings["topology"] == "chain" else 0.0
+    return float(settings["spacing"] + headway)
 
 
-def _gap(settings: Settings) -> float:
-    """From the head to the first follower, O1 to O1 [m]."""
-    return float(settings["spacing"] + settings["headway"] * SPEED)
-
-
-def _seen(settings: Settings, places: Mapping[int, Place]) -> dict[int, Place]:
+def _seen(settings: Settings, leaders: Mapping[int, int], places: Mapping[int, Place]) -> dict[int, Place]:
     """The offsets that give these places; the headway, which followers add by themselves, is taken out."""
-    found = offsets(topology(settings["topology"]).leaders(int(settings["vehicles"])), places)
-    return {k: (x + settings["headway"] * SPEED, y) for k, (x, y) in found.items()}
-
-
-def reach(made: System, settings: Settings) -> None:
-    """Hand points where the leaders are, as far as a hand can be."""
-    row = _row(settings)
-    for k, leader in topology(settings["topology"]).leaders(len(row)).items():
-        distance = row[leader][0] - row[k][0]
-        made.instances[f"{name(k)}follower"].parameters["hand.distance"] = min(distance, _LONGEST_HAND)
-
-
-def start_beside(made: System, settings: Settings, car: int) -> None:
-    """The row begins without `car`, which is in the next lane."""
-    for k, place in _seen(settings, _beside(settings, car)).items():
-        values = made.instances[f"{name(k)}follower"].parameters
-        values |= {f"formation.{axis}": place[i] for i, axis in enumerate("xy")}
+    return {k: (x + settings["headway"] * SPEED, y) for k, (x, y) in offsets(leaders, places).items()}

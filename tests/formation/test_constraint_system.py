@@ -9,9 +9,10 @@ import pytest
 
 from cosim.model.system import System
 from cosim.results.reading import Results
-from cosim.run import Request, run
-from cosim.scenario import Scenario
-from scenarios.shared.catalogue import fmu_path
+from cosim.run.request import Request
+from cosim.run.running import run
+from cosim.scenario.definition import Scenario, Work
+from cosim.scenario.settings import Setting
 
 SPEED, DURATION = 25.0, 6.0
 TRACK = {"initial_speed": SPEED, "acceleration.start": 0.5, "weave.start": 1.0, "amplitude": 3.0}
@@ -56,11 +57,21 @@ def _car() -> System:
     return system
 
 
-def _run(folder: Path, system: System) -> Results:
-    scenario = Scenario("constraint", "a head and a follower", "", DURATION, lambda settings: system, find=fmu_path)
-    summary, results = run(Request(scenario, folder))
-    assert summary["status"] == "ok", summary["reason"]
-    return results
+WORK = Work(build=lambda settings, _: _unicycles() if settings["drive"] == "unicycles" else _car())
+SCENARIO = Scenario(
+    name="constraint",
+    title="a head and a follower, or a head alone",
+    figures="",
+    stop_time=DURATION,
+    module=__name__,
+    settings={"drive": Setting("unicycles", ("unicycles", "car"), "two unicycles, or one car")},
+)
+
+
+def _run(folder: Path, drive: str) -> Results:
+    finished = run(Request(SCENARIO, folder, [("scenario.drive", drive)]))
+    assert finished.summary.status == "ok", finished.summary.reason
+    return finished.results
 
 
 def _place(results: Results, name: str) -> np.ndarray:
@@ -76,7 +87,7 @@ def _beside(results: Results) -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def unicycles(tmp_path_factory: pytest.TempPathFactory) -> Results:
-    return _run(Path(tmp_path_factory.mktemp("unicycles")), _unicycles())
+    return _run(Path(tmp_path_factory.mktemp("unicycles")), "unicycles")
 
 
 def test_head_of_unicycles_follows_the_trajectory_bus(unicycles: Results) -> None:
@@ -101,7 +112,7 @@ def test_follower_keeps_its_place_behind_the_radio(unicycles: Results) -> None:
 
 def test_head_can_be_a_car_that_slides(tmp_path: Path) -> None:
     """Its law knows no sideslip: v beta' is a disturbance, answered at omega_n."""
-    results = _run(tmp_path, _car())
+    results = _run(tmp_path, "car")
     assert np.abs(results["car1.plant.sideslip"]).max() > 0.02
     assert _beside(results).max() < 0.75
     assert np.sqrt(np.mean(_beside(results) ** 2)) < 0.3

@@ -3,24 +3,23 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
+from collections.abc import Mapping
 
 import numpy as np
 import pyarrow as pa
 import pytest
-from formation_table import STEP, drive
+from formation_table import STARTS, STEP, drive
 
-from cosim.command import display
 from cosim.results.reading import Results
-from fmukit.interface import load_parameters
-from fmus.controllers.formation import bus
-from scenarios.formation import course as _formation_course
-from scenarios.formation import metrics
-from scenarios.formation.distances import Body, distance_metrics, smallest_distance
+from scenarios.formation.course import course
+from scenarios.formation.distances import Outline, distance_metrics, smallest_distance
+from scenarios.formation.errors import errors_of_followers, follower_errors
+from scenarios.formation.metrics import follower_metrics, formation_metrics, warn_of_few_rows
+from scenarios.formation.timetable import Formation
 
 N = 1001
 TIME = STEP * np.arange(N)
-CAR = Body(2.0, 2.3, 1.68)
+CAR = Outline(2.0, 2.3, 1.68)
 
 
 def circle(radius: float, speed: float, phase: float) -> np.ndarray:
@@ -39,13 +38,19 @@ def straight(gap: np.ndarray | float) -> dict[int, np.ndarray]:
     return {1: leader, 2: leader + np.column_stack((gap + 0 * TIME, 0 * TIME, 0 * TIME))}
 
 
+def measured(results: Results, leaders: Mapping[int, int]) -> dict[str, float]:
+    """The values of the metrics of the followers."""
+    found = follower_metrics(results, errors_of_followers(results, leaders))
+    return {name: metric.value for name, metric in found.items()}
+
+
 def random_poses(seed: int) -> np.ndarray:
     return np.random.default_rng(seed).uniform(-50, 50, (N, 3))
 
 
 def test_the_error_is_that_of_the_hand_point_in_the_followers_axes() -> None:
     own, leader = random_poses(1), random_poses(2)
-    found = metrics.follower_errors(drive({1: leader, 2: own}, {2: (-12.0, 4.0)}, {"hand.distance": 7.0}), 2, 1)
+    found = follower_errors(drive({1: leader, 2: own}, {2: (-12.0, 4.0)}, {"hand.distance": 7.0}), 2, 1)
     place, ahead = own[:, 0] + 1j * own[:, 1], leader[:, 0] + 1j * leader[:, 1]
     turn, its = np.exp(1j * own[:, 2]), np.exp(1j * leader[:, 2])
     for a, z in ((7.0, found.hand), (0.0, found.position)):
@@ -56,12 +61,12 @@ def test_the_error_is_that_of_the_hand_point_in_the_followers_axes() -> None:
 def test_a_follower_in_its_place_has_no_error_where_it_is_controlled_and_a_known_one_at_O1() -> None:
     """On the leader's circle the hand point can be in its place; the tail then lies 2 a sin(gamma/2) beside its own."""
     leader = circle(100.0, 20.0, 0.0)
-    gamma, a = -0.1, metrics.HAND
+    gamma, a = -0.1, float(STARTS["hand.distance"])
     own = circle(100.0, 20.0, gamma)
     p = own[:, 0] + 1j * own[:, 1] + a * np.exp(1j * own[:, 2]) - leader[:, 0] - 1j * leader[:, 1]
     r = p / np.exp(1j * leader[:, 2]) - a
     results = drive({1: leader, 2: own}, {2: (float(r[0].real), float(r[0].imag))})
-    found = metrics.formation_metrics(results, {2: 1})
+    found = measured(results, {2: 1})
     assert found["car2.formation_error_max"] < 1e-9
     assert found["position_error_rms"] == pytest.approx(2 * a * math.sin(abs(gamma) / 2), rel=1e-9)
 
@@ -70,12 +75,10 @@ def test_root_mean_square_largest_and_worst() -> None:
     straight = np.column_stack((20.0 * TIME, 0 * TIME, 0 * TIME))
     wave = np.column_stack((0.3 * np.sin(2 * np.pi * TIME / 5), 0 * TIME, 0 * TIME))
     poses = {1: straight, 2: straight - [12, 0, 0] + wave, 3: straight - [24, 0, 0] + 3 * wave}
-    found = metrics.formation_metrics(drive(poses, {2: (-12.0, 0.0), 3: (-12.0, 0.0)}), {2: 1, 3: 2})
+    found = measured(drive(poses, {2: (-12.0, 0.0), 3: (-12.0, 0.0)}), {2: 1, 3: 2})
     assert found["car2.formation_error_rms"] == pytest.approx(0.3 / math.sqrt(2), rel=1e-3)
     assert found["car3.formation_error_max"] == pytest.approx(0.6, rel=1e-3)
     assert found["formation_error_max"] == found["car3.formation_error_max"]
-    crest = metrics.formation_metrics(drive(poses, {2: (-12.0, 0.0)}), {2: 1}, begin=18.76)
-    assert crest["formation_error_rms"] == pytest.approx(0.3 * math.sqrt(0.5), rel=0.01)
 
 
 def test_settling_of_an_exponential_and_the_largest_error_of_each_change() -> None:
@@ -87,7 +90,7 @@ def test_settling_of_an_exponential_and_the_largest_error_of_each_change() -> No
     late = 0.2 * (np.abs(TIME - 6.0) < 0.01)
     columns = {"car2__follower__formation__x": jump, "car2__follower__offset__x": gap - late}
     results = drive({1: leader, 2: own}, {2: (-12.0, 0.0)}, **columns)
-    found = metrics.formation_metrics(results, {2: 1})
+    found = measured(results, {2: 1})
     assert found["car2.settling_time"] == pytest.approx(6.0 * 0.7973, abs=STEP)
     assert found["change_error_max"] == pytest.approx(0.2)
 
@@ -101,7 +104,7 @@ def test_a_place_never_reached_has_no_settling_time_and_headway_is_part_of_the_p
     }
     for headway, unknown in ((0.0, True), (1.0, False)):
         results = drive({1: leader, 2: own}, {2: (-32.0, 0.0)}, {"headway": headway}, **columns)
-        assert math.isnan(metrics.formation_metrics(results, {2: 1})["settling_time"]) == unknown
+        assert math.isnan(measured(results, {2: 1})["settling_time"]) == unknown
 
 
 def test_a_follower_that_leads_itself_back_has_the_error_from_where_it_was_commanded() -> None:
@@ -110,7 +113,7 @@ def test_a_follower_that_leads_itself_back_has_the_error_from_where_it_was_comma
     offset = quintic(-12.0, -17.0, 4.0, 6.0) + back
     jump = np.where(TIME >= 4.0, -17.0, -12.0)
     columns = {"car2__follower__formation__x": jump, "car2__follower__offset__x": offset}
-    found = metrics.formation_metrics(drive(straight(offset), {2: (-12.0, 0.0)}, **columns), {2: 1})
+    found = measured(drive(straight(offset), {2: (-12.0, 0.0)}, **columns), {2: 1})
     assert found["formation_error_max"] == pytest.approx(30.0)
     assert found["place_error_max"] == pytest.approx(30.0)
     calm = (TIME < 4.0) | (TIME >= 10.0)
@@ -119,8 +122,8 @@ def test_a_follower_that_leads_itself_back_has_the_error_from_where_it_was_comma
 
 
 def test_a_follower_never_told_where_to_be_is_wanted_beside_its_leader() -> None:
-    told = {"formation.x": "0"}
-    found = metrics.formation_metrics(drive(straight(-12.0), {2: (-12.0, 0.0)}, told), {2: 1})
+    told = {"formation.x": 0.0}
+    found = measured(drive(straight(-12.0), {2: (-12.0, 0.0)}, told), {2: 1})
     assert found["place_error_max"] == found["formation_error_max"] == 12.0
 
 
@@ -128,10 +131,10 @@ def test_a_follower_never_told_where_to_be_is_wanted_beside_its_leader() -> None
 def test_a_follower_that_only_smooths_what_it_is_told_is_not_led_back(late: float) -> None:
     """Also where a second change begins on the way; its error is then that to the course it gives."""
     jump = np.select([TIME >= 7.0, TIME >= 4.0], [-14.0, -17.0], -12.0)
-    course = _formation_course.course(TIME, np.column_stack((jump, 0 * jump)), 6.0)[:, 0]
-    given = np.interp(TIME - STEP, TIME, course)
+    commanded = course(TIME, np.column_stack((jump, 0 * jump)), 6.0)[:, 0]
+    given = np.interp(TIME - STEP, TIME, commanded)
     columns = {"car2__follower__formation__x": jump, "car2__follower__offset__x": given}
-    found = metrics.formation_metrics(drive(straight(given - late), {2: (-12.0, 0.0)}, **columns), {2: 1})
+    found = measured(drive(straight(given - late), {2: (-12.0, 0.0)}, **columns), {2: 1})
     assert found["led_back_time"] == 0.0
     assert found["formation_error_max"] == pytest.approx(late, abs=1e-9)
     assert found["place_error_rms"] == pytest.approx(late, abs=0.02)
@@ -140,7 +143,7 @@ def test_a_follower_that_only_smooths_what_it_is_told_is_not_led_back(late: floa
 def test_the_course_commanded_is_smooth_and_ends_where_it_is_told() -> None:
     """From rest the closed form, begun anew on the way without a jump up to the second derivative."""
     jump = np.select([TIME >= 7.0, TIME >= 4.0], [-14.0, -17.0], -12.0)
-    found = _formation_course.course(TIME, np.column_stack((jump, 2 * jump)), 6.0)
+    found = course(TIME, np.column_stack((jump, 2 * jump)), 6.0)
     np.testing.assert_allclose(found[:, 1], 2 * found[:, 0], rtol=1e-12)
     first = TIME < 7.0
     np.testing.assert_allclose(found[first, 0], quintic(-12.0, -17.0, 4.0, 6.0)[first], atol=1e-9)
@@ -156,7 +159,7 @@ def test_headway_is_that_of_a_speed_the_follower_may_take_for_its_own(further: f
     speed, seen = (np.clip(30.0 - 5.0 * (TIME - begin), 10.0, 30.0) for begin in (5.0, 5.3))
     given = -12.0 - further - seen
     columns = {"car2__plant__velocity__x": speed, "car2__follower__offset__x": given}
-    found = metrics.formation_metrics(drive(straight(given), {2: (-12.0, 0.0)}, {"headway": 1.0}, **columns), {2: 1})
+    found = measured(drive(straight(given), {2: (-12.0, 0.0)}, {"headway": 1.0}, **columns), {2: 1})
     assert found["led_back_time"] == pytest.approx(led_back)
     assert found["formation_error_max"] == pytest.approx(0.0 if not further else 13.5, abs=0.05)
 
@@ -165,7 +168,7 @@ def test_before_its_first_output_a_follower_is_wanted_where_it_was_commanded() -
     """As with Jacobi's scheme, where outputs come one step late."""
     offset = np.where(TIME < 0.01, 0.0, -12.0)
     results = drive(straight(-12.0), {2: (-12.0, 0.0)}, car2__follower__offset__x=offset)
-    found = metrics.formation_metrics(results, {2: 1})
+    found = measured(results, {2: 1})
     assert found["formation_error_max"] < 1e-9
     assert found["led_back_time"] == 0.0
 
@@ -178,17 +181,17 @@ def test_rows_too_far_apart_are_said_or_give_no_figures(
     table = pa.table(
         {name: (full.time if name == "time" else full[name])[:501:every] for name in ("time", *full.names)}
     )
-    results = Results(table, full.periods, None, full.parameters)
-    assert math.isnan(metrics.formation_metrics(results, {2: 1})["formation_error_max"]) == unknown
-    metrics.warn_of_few_rows(results, {2: 1})
+    results = Results(table, full.facts)
+    assert math.isnan(measured(results, {2: 1})["formation_error_max"]) == unknown
+    warn_of_few_rows(results, {2: 1})
     assert [said in record.getMessage() for record in caplog.records] == [True] * (every > 1)
 
 
 def test_without_followers_everything_is_unknown() -> None:
     results = drive({1: random_poses(1)}, {})
-    found = metrics.formation_metrics(results, {}) | distance_metrics(results, [1])
+    found = formation_metrics(results, Formation({}, {}, in_a_row=True))
     assert found
-    assert all(math.isnan(value) for value in found.values())
+    assert all(math.isnan(metric.value) for metric in found.values())
 
 
 def test_effort() -> None:
@@ -198,16 +201,16 @@ def test_effort() -> None:
         "car2__plant__angular_rate__z": omega,
         "car2__follower__command__acceleration": np.where(TIME < 10, 1.0, -3.0),
     }
-    found = metrics.formation_metrics(drive({1: random_poses(1), 2: random_poses(2)}, {2: (0, 0)}, **columns), {2: 1})
+    found = measured(drive({1: random_poses(1), 2: random_poses(2)}, {2: (0, 0)}, **columns), {2: 1})
     assert found["lateral_acceleration_rms"] == pytest.approx(2 / math.sqrt(2), rel=1e-3)
     assert found["acceleration_rms"] == pytest.approx(math.sqrt(5), rel=1e-3)
 
 
-def sampled(pose: np.ndarray, body: Body, points: int = 60) -> np.ndarray:
+def sampled(pose: np.ndarray, outline: Outline, points: int = 60) -> np.ndarray:
     """Points on the edges of a rectangle."""
     u = np.linspace(0, 1, points)
-    x = [-body.behind, body.ahead]
-    y = [-body.width / 2, body.width / 2]
+    x = [-outline.behind, outline.ahead]
+    y = [-outline.width / 2, outline.width / 2]
     edges = [x[0] + u * (x[1] - x[0]) + 1j * y[i] for i in (0, 1)]
     edges += [x[i] + 1j * (y[0] + u * (y[1] - y[0])) for i in (0, 1)]
     return pose[0] + 1j * pose[1] + np.exp(1j * pose[2]) * np.concatenate(edges)
@@ -226,43 +229,41 @@ def test_the_smallest_distance_is_that_of_all_pairs_at_all_times() -> None:
         assert smallest_distance(poses, CAR) == pytest.approx(least, abs=0.02)
 
 
+def distances(results: Results) -> dict[str, float]:
+    return {name: metric.value for name, metric in distance_metrics(results, [1, 2]).items()}
+
+
 def test_cars_that_overlap_collide() -> None:
     one = np.column_stack((20.0 * TIME, 0 * TIME, 0 * TIME))
     two = one - [10.0, 0.0, 0.0] + np.column_stack((8.0 * np.exp(-((TIME - 10) ** 2)), 0 * TIME, 0 * TIME))
-    assert distance_metrics(drive({1: one, 2: two}, {}), [1, 2]) == {"distance_min": 0.0, "collision": 1.0}
-    apart = distance_metrics(drive({1: one, 2: one - [10.0, 0.0, 0.0]}, {}), [1, 2])
+    assert distances(drive({1: one, 2: two}, {})) == {"distance_min": 0.0, "collision": 1.0}
+    apart = distances(drive({1: one, 2: one - [10.0, 0.0, 0.0]}, {}))
     assert apart == {"distance_min": pytest.approx(10.0 - 4.3), "collision": 0.0}
 
 
 def test_a_touch_in_any_block_of_times_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("scenarios.formation.distances._BLOCK", 7)
+    monkeypatch.setattr("scenarios.formation.distances.BLOCK", 7)
     poses = np.zeros((100, 3, 3))
     poses[:, :, 0] = [0.0, -20.0, -40.0]
     poses[63, 2, 0] = -30.0
     assert smallest_distance(poses, CAR) == pytest.approx(10.0 - 4.3)
 
 
-def test_what_is_assumed_of_followers_is_their_start_value() -> None:
-    file = Path(bus.__file__).with_name("parameters.toml")
-    starts = {v.name: v.start for v in load_parameters(file)}
-    assert starts["hand.distance"] == metrics.HAND
-    assert starts["formation.duration"] == metrics.DURATION
-
-
-@pytest.mark.parametrize(
-    ("name", "unit"),
-    [
-        ("car12.formation_error_rms", "m"),
-        ("car2.place_error_max", "m"),
-        ("car2.lateral_acceleration_rms", "m/s2"),
-        ("car2.lateral_error_max", "m"),
-        ("car3.settling_time", "s"),
-        ("car3.led_back_time", "s"),
-        ("car2.speed_ratio_max", ""),
-        ("string_gain_max", ""),
-        ("car3.string_ratio_max", ""),
-        ("collision", ""),
-    ],
-)
-def test_metrics_of_a_car_are_shown_with_their_units(name: str, unit: str) -> None:
-    assert display._readable(name, 1.0) == ("1.0000", unit)
+def test_metrics_carry_their_units() -> None:
+    poses = {1: random_poses(1), 2: random_poses(2), 3: random_poses(3)}
+    results = drive(poses, {2: (-12.0, 0.0), 3: (-12.0, 0.0)})
+    found = formation_metrics(results, Formation({2: 1, 3: 2}, {2: (-12.0, 0.0), 3: (-12.0, 0.0)}, in_a_row=True))
+    units = {
+        "car2.formation_error_rms": "m",
+        "position_error_max": "m",
+        "car3.place_error_max": "m",
+        "change_error_max": "m",
+        "car2.settling_time": "s",
+        "car3.led_back_time": "s",
+        "acceleration_rms": "m/s2",
+        "car2.lateral_acceleration_rms": "m/s2",
+        "car3.string_ratio_max": "1",
+        "distance_min": "m",
+        "collision": "1",
+    }
+    assert {name: found[name].unit for name in units} == units

@@ -9,14 +9,16 @@ import numpy as np
 import pytest
 
 from cosim.engine.loader import Loader
-from cosim.engine.schedule import schedule
+from cosim.engine.models import find
+from cosim.engine.schedule import Scheme, schedule
 from cosim.model.assembly import assemble
+from cosim.model.configuration import Configuration
 from cosim.model.system import System
 from cosim.results.reading import Results
 from cosim.results.storage import PARQUET
-from cosim.run import Request, run
-from cosim.scenario import Scenario
-from scenarios.shared.catalogue import fmu_path
+from cosim.run.request import Request
+from cosim.run.running import run
+from cosim.scenario.definition import Scenario, Work
 
 SPEED = 20.0
 EXACT = {"loss.probability": 0.0} | {f"{name}.noise": 0.0 for name in ("position", "yaw", "velocity", "yaw_rate")}
@@ -53,11 +55,14 @@ def system() -> System:
     return made
 
 
-def made_run(folder: Path, seed: int = 3, scheme: str = "multirate") -> Results:
-    scenario = Scenario("radio", "a radio and a unicycle", "", DURATION, lambda settings: system(), find=fmu_path)
-    summary, results = run(Request(scenario, folder, seed=seed, scheme=scheme))  # type: ignore[arg-type]
-    assert summary["status"] == "ok", summary["reason"]
-    return results
+WORK = Work(build=lambda _settings, _prepared: system())
+SCENARIO = Scenario("radio", "a radio and a unicycle", "", DURATION, module=__name__)
+
+
+def made_run(folder: Path, seed: int = 3, scheme: Scheme = "multirate") -> Results:
+    finished = run(Request(SCENARIO, folder, seed=seed, scheme=scheme))
+    assert finished.summary.status == "ok", finished.summary.reason
+    return finished.results
 
 
 @pytest.fixture(scope="module")
@@ -71,8 +76,8 @@ def results(folder: Path) -> Results:
 
 
 def test_order_is_that_of_the_dataflow() -> None:
-    with Loader(fmu_path) as loader:
-        nodes = assemble(system(), loader.faces(system()), 0)
+    with Loader(find) as loader:
+        nodes = assemble(Configuration(system(), loader.faces(system())), 0)
     order = schedule(nodes).sequential
     for last in ("car2.follower", "car4.radio"):
         chain = ["car1.imu", "car1.filter", "car2.radio", last]

@@ -11,7 +11,7 @@ from head_motion import OMEGA, SETTLE, braking, swept
 
 from scenarios.formation.string_stability import gains, ratio
 from scenarios.platoon.excitation import LINES, PERIOD
-from scenarios.platoon.system import GAIN, HEADWAY
+from scenarios.platoon.laws import GAIN, HEADWAY
 
 FREQUENCIES = np.logspace(-3, 2, 20001)
 FIRM = {"gain": GAIN, "output": GAIN**2 / 7, "hidden": GAIN**2 / 14}

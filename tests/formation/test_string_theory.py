@@ -6,13 +6,15 @@ Error of the leader's motion in front of a follower with u = -K z - K_i int z:  
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 import pytest
 from chain_model import Law, largest, simulate, transfer
 from head_motion import OMEGA, SETTLE, braking, swept
 
-from scenarios.formation.string_stability import gain_metrics, gains, ratio, ratio_metrics, speed_ratios
+from cosim.scenario.metric import Metric
+from scenarios.formation.string_stability import gain_metrics, gains, ratio, ratio_metrics, speed_ratio_metrics
 from scenarios.platoon import excitation
 from scenarios.platoon.excitation import LINES, PERIOD, multisine, straight
 
@@ -25,6 +27,10 @@ def sweep(law: Law, star: bool = False):
     drive = simulate(law, swept(0.5), FOLLOWERS, SETTLE + PERIOD, star, STEP)
     late = drive.time >= SETTLE - 1e-9
     return drive.errors[late], drive.speeds[late]
+
+
+def values(metrics: Mapping[str, Metric]) -> dict[str, float]:
+    return {name: metric.value for name, metric in metrics.items()}
 
 
 def by_car(columns: np.ndarray, first: int) -> dict[int, np.ndarray]:
@@ -55,7 +61,7 @@ def test_the_gain_measured_in_a_sweep_is_that_of_the_transfer_function(law: Law)
         np.testing.assert_allclose(gains(errors[:, k], errors[:, k - 1], LINES, 1), exact, rtol=2e-3)
     for k in range(FOLLOWERS):
         np.testing.assert_allclose(gains(speeds[:, k + 1], speeds[:, k], LINES, 1), exact, rtol=2e-3)
-    found = gain_metrics(by_car(errors, 2), by_car(speeds, 1), LINES, 1)
+    found = values(gain_metrics(by_car(errors, 2), by_car(speeds, 1), LINES, 1))
     assert found["car3.error_gain_max"] == pytest.approx(exact.max(), rel=2e-3)
     assert found["car2.string_gain_max"] == pytest.approx(exact.max(), rel=2e-3)
     assert "car2.error_gain_max" not in found
@@ -76,7 +82,7 @@ def test_ratios() -> None:
     time = STEP * np.arange(1000)
     z = {2: np.column_stack((0.5 * np.sin(time), 0.2 + 0 * time))}
     z |= {3: 1.5 * z[2], 4: 0.01 * z[2], 5: z[2]}
-    found = ratio_metrics(z)
+    found = values(ratio_metrics(z))
     assert found["car3.string_ratio_max"] == pytest.approx(1.5)
     assert found["car3.string_ratio_rms"] == pytest.approx(1.5)
     assert found["car4.string_ratio_norm_rms"] == pytest.approx(0.01 / 1.5)
@@ -84,14 +90,14 @@ def test_ratios() -> None:
     assert found["string_ratio_max"] == found["car5.string_ratio_max"]
     for few in ({}, {2: z[2]}):
         assert ratio_metrics(few).keys() == {name for name in found if "." not in name}
-        assert all(math.isnan(value) for value in ratio_metrics(few).values())
+        assert all(math.isnan(value) for value in values(ratio_metrics(few)).values())
     assert math.isnan(ratio(z[2][:0, 0], z[2][:0, 0])[0])
 
 
 def test_an_error_that_grows_out_of_noise_has_a_ratio() -> None:
     """0.19 m ahead of 1 m is at least a fivefold growth; what stays below the floor has none."""
     z = {k: np.full((100, 2), size) for k, size in ((2, 0.1), (3, 0.19), (4, 1.0), (5, 1.0))}
-    found = ratio_metrics(z)
+    found = values(ratio_metrics(z))
     assert math.isnan(found["car3.string_ratio_max"])
     assert (found["car4.string_ratio_max"], found["car4.string_ratio_rms"]) == pytest.approx((5.0, 5.0))
     assert found["string_ratio_max"] == pytest.approx(5.0)
@@ -99,11 +105,11 @@ def test_an_error_that_grows_out_of_noise_has_a_ratio() -> None:
 
 def test_speeds_are_compared_from_the_second_car_on() -> None:
     deviation = -15.0 * np.sin(np.linspace(0, np.pi, 200))
-    found = speed_ratios({1: deviation, 2: 1.2 * deviation, 3: 0.6 * deviation})
+    found = values(speed_ratio_metrics({1: deviation, 2: 1.2 * deviation, 3: 0.6 * deviation}))
     assert (found["car2.speed_ratio_max"], found["car3.speed_ratio_rms"]) == pytest.approx((1.2, 0.5))
     assert found["speed_ratio_rms"] == pytest.approx(1.2)
-    assert all(math.isnan(value) for value in speed_ratios({1: deviation}).values())
-    assert len(speed_ratios({})) == 2
+    assert all(math.isnan(value) for value in values(speed_ratio_metrics({1: deviation})).values())
+    assert len(speed_ratio_metrics({})) == 2
 
 
 @pytest.mark.parametrize("integral", [0.5, 1.0, 2.0])

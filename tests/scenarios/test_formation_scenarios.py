@@ -7,18 +7,23 @@ import numpy as np
 import pytest
 
 from cosim.errors import CosimError
-from cosim.run import Request, run
-from cosim.scenario import configured
-from scenarios import load
+from cosim.run.request import Request
+from cosim.run.running import run
+from cosim.scenario.discovery import load
 
 LAWS = ("formation-adaptive", "formation-constraint")
 LIGHT = ("scenario.plant", "unicycle")
 
 
-def short(name, folder, *assignments, seed=0, stop=1.0):
-    summary, results = run(Request(load(name), folder, assignments, seed, stop))
-    assert summary["status"] == "ok", summary["reason"]
-    return summary["metrics"], results
+def short(name, folder, *assignments, seed=0, stop=1.0, **others):
+    """The values of the metrics, and the results."""
+    finished = run(Request(load(name), folder, assignments, seed, stop, **others))
+    assert finished.summary.status == "ok", finished.summary.reason
+    return values(finished), finished.results
+
+
+def values(finished):
+    return {name: metric.value for name, metric in finished.summary.metrics.items()}
 
 
 def seen_from(results, car, other):
@@ -32,8 +37,8 @@ def seen_from(results, car, other):
 
 @pytest.mark.parametrize("name", LAWS)
 def test_four_multibody_cars_keep_their_places_at_20_to_30_metres_per_second(name, scenario_run):
-    summary, results = scenario_run(name)
-    metrics = summary["metrics"]
+    finished = scenario_run(name)
+    metrics, results = values(finished), finished.results
     for k in (2, 3, 4):
         assert metrics[f"car{k}.formation_error_rms"] <= 0.30
         assert metrics[f"car{k}.position_error_rms"] <= 0.30
@@ -46,7 +51,7 @@ def test_four_multibody_cars_keep_their_places_at_20_to_30_metres_per_second(nam
 
 
 def test_no_follower_swings_when_the_head_drives_straight_on(scenario_run):
-    _, results = scenario_run("formation-adaptive")
+    results = scenario_run("formation-adaptive").results
     straight = (results.time > 25.0) & (results.time < 30.0)
     assert np.max(np.abs(results["car1.plant.angular_rate.z"][straight])) < 0.02
     for k in (2, 3, 4):
@@ -55,20 +60,20 @@ def test_no_follower_swings_when_the_head_drives_straight_on(scenario_run):
 
 @pytest.mark.parametrize("name", LAWS)
 def test_the_formation_changes_within_8_seconds(name, scenario_run):
-    metrics = scenario_run(name)[0]["metrics"]
+    metrics = values(scenario_run(name))
     for k in (2, 3, 4):
         assert metrics[f"car{k}.settling_time"] <= 8.0
         assert metrics[f"car{k}.change_error_max"] <= 0.6
 
 
 def test_the_last_shape_of_learning_followers_is_a_line(scenario_run):
-    _, results = scenario_run("formation-adaptive")
+    results = scenario_run("formation-adaptive").results
     end = [seen_from(results, 1, k)[:, -1] for k in (2, 3, 4)]
     assert np.abs(end - np.array([(-10, 0), (-20, 0), (-30, 0)])).max() < 0.6
 
 
 def test_the_shapes_of_constrained_followers_are_a_line_and_a_left_wedge(scenario_run):
-    _, results = scenario_run("formation-constraint")
+    results = scenario_run("formation-constraint").results
     end = [seen_from(results, 1, k)[:, -1] for k in (2, 3, 4)]
     assert np.abs(end - np.array([(-10, 4), (-20, 8), (-30, 12)])).max() < 0.3
     before_the_wedge = np.searchsorted(results.time, 29.9)
@@ -101,13 +106,14 @@ def test_any_plant_drives(name, plant, tmp_path):
 
 
 def test_a_head_alone_is_a_formation(tmp_path):
-    metrics, results = short("formation-adaptive", tmp_path, ("scenario.vehicles", "1"), LIGHT, stop=3.0)
+    request = Request(load("formation-adaptive"), tmp_path, [("scenario.vehicles", "1"), LIGHT], stop_time=3.0)
+    finished = run(request)
+    metrics, results = values(finished), finished.results
     assert not [name for name in results.names if not name.startswith("car1.")]
-    assert metrics["formation_error_rms"] is None
-    assert metrics["distance_min"] is None
+    assert np.isnan(metrics["formation_error_rms"])
+    assert np.isnan(metrics["distance_min"])
     assert abs(results["car1.hlc.error.lateral"][-1]) < 0.1
-    scenario = load("formation-adaptive")
-    scenario.draw(results, tmp_path / "overview.png", scenario.title)
+    finished.draw(tmp_path / "overview.png")
     assert (tmp_path / "overview.png").read_bytes().startswith(b"\x89PNG")
 
 
@@ -138,17 +144,16 @@ def test_whole_runs_with_equal_seeds_give_equal_bytes(name, tmp_path):
 @pytest.mark.parametrize("name", LAWS)
 def test_with_jacobis_scheme_nobody_starts_metres_off(name, tmp_path):
     """Outputs come one step late then; the first row has none."""
-    request = Request(load(name), tmp_path, [LIGHT], stop_time=0.5, scheme="jacobi", step=0.001)
-    summary, _ = run(request)
-    assert summary["metrics"]["formation_error_max"] < 0.2
-    assert summary["metrics"]["led_back_time"] == 0.0
+    metrics, _ = short(name, tmp_path, LIGHT, stop=0.5, scheme="jacobi", step=0.001)
+    assert metrics["formation_error_max"] < 0.2
+    assert metrics["led_back_time"] == 0.0
 
 
 def test_a_follower_sent_far_away_is_said_to_be_far_from_there(tmp_path):
-    assignments, events = [LIGHT, ("scenario.vehicles", "2")], [(1.0, "car2.follower.formation.x", "-1000")]
-    summary, _ = run(Request(load("formation-adaptive"), tmp_path, assignments, stop_time=9.0, events=events))
-    assert summary["metrics"]["formation_error_max"] > 900.0
-    assert summary["metrics"]["led_back_time"] > 7.0
+    cars, events = (LIGHT, ("scenario.vehicles", "2")), [(1.0, "car2.follower.formation.x", "-1000")]
+    metrics, _ = short("formation-adaptive", tmp_path, *cars, stop=9.0, events=events)
+    assert metrics["formation_error_max"] > 900.0
+    assert metrics["led_back_time"] > 7.0
 
 
 def test_displaced_cars_do_not_start_in_one_another(tmp_path):
@@ -194,16 +199,23 @@ def test_a_headway_moves_the_places_back(tmp_path):
     assert metrics["formation_error_max"] < 0.15
 
 
-def test_what_is_set_of_all_low_levels_reaches_those_who_assume_it():
-    system = configured(load("formation-constraint"), [("car*.llc.filter.yaw_rate", "30")])
-    assert system.instances["car1.hlc"].parameters["actuator.filter.yaw_rate"] == "30"
-    assert system.instances["car3.follower"].parameters["lead.yaw_rate"] == pytest.approx(3 / 30 + 0.010 + 0.001)
-    system = configured(load("formation-constraint"), [("car*.plant.yaw_rate.lag", "0.3"), LIGHT])
-    assert system.instances["car3.follower"].parameters["lead.yaw_rate"] == pytest.approx(0.3 + 0.010)
+def test_what_is_set_of_all_low_levels_reaches_those_who_assume_it(configured):
+    found = configured("formation-constraint", "car*.llc.filter.yaw_rate=30")
+    assert found.value("car1.hlc", "actuator.filter.yaw_rate") == 30.0
+    assert found.value("car3.follower", "lead.yaw_rate") == pytest.approx(3 / 30 + 0.010 + 0.001)
+    found = configured("formation-constraint", "car*.plant.yaw_rate.lag=0.3", "scenario.plant=unicycle")
+    assert found.value("car3.follower", "lead.yaw_rate") == pytest.approx(0.3 + 0.010)
+    found = configured("formation-constraint", "car3.follower.lead.yaw_rate=0.2")
+    assert found.value("car3.follower", "lead.yaw_rate") == 0.2
+
+
+def test_what_belongs_to_single_wheels_is_not_recorded(tmp_path):
+    _, results = short("formation-constraint", tmp_path, ("scenario.vehicles", "2"), stop=0.1)
+    assert "car2.plant.yaw" in results
+    assert not [name for name in results.names if name.endswith((".fl", ".fr", ".rl", ".rr"))]
 
 
 def test_the_overview_is_drawn(tmp_path):
-    _, results = short("formation-constraint", tmp_path, LIGHT, ("scenario.vehicles", "3"), stop=16.0)
-    scenario = load("formation-constraint")
-    scenario.draw(results, tmp_path / "overview.png", scenario.title)
+    cars = [LIGHT, ("scenario.vehicles", "3")]
+    run(Request(load("formation-constraint"), tmp_path, cars, stop_time=16.0)).draw(tmp_path / "overview.png")
     assert (tmp_path / "overview.png").read_bytes().startswith(b"\x89PNG")

@@ -1,13 +1,17 @@
 """Who follows whom and where everybody drives, against tables made by hand."""
 
+from dataclasses import replace
+
 import pytest
 
 from cosim.errors import CosimError
-from cosim.scenario import chosen
-from scenarios import load
-from scenarios.formation.scenario import formation_settings
+from cosim.scenario.settings import chosen
+from scenarios.formation import ADAPTIVE
+from scenarios.formation.law import Law
+from scenarios.formation.settings import formation_settings
 from scenarios.formation.start import starts
-from scenarios.formation.system import Cars, Change, Law, change_of_shape, formation
+from scenarios.formation.system import formation_system
+from scenarios.formation.timetable import Formation, Transition, arranged
 from scenarios.formation.topology import SHAPES, TOPOLOGIES, Spacing, offsets, places, topology
 
 SEVEN = {
@@ -62,49 +66,63 @@ def test_a_hundred_cars_have_a_hundred_places_and_follow_cars_before_them(kind):
     assert all(leader < k for k, leader in topology(kind).leaders(100).items())
 
 
+def settings(size, kind="chain"):
+    room = {"spacing": ROOM.along, "lateral_spacing": ROOM.across}
+    return SETTINGS | room | {"plant": "unicycle", "vehicles": size, "topology": kind}
+
+
+def system(formation):
+    return formation_system(Law("Follower", motion=True), {}, settings(len(formation.cars)), formation)
+
+
 def test_a_change_of_shape_keeps_who_follows_whom():
-    change = change_of_shape(15.0, "line", 7, "diamond", ROOM)
+    formation = arranged([(15.0, "line")], settings(7, "diamond"))
+    (change,) = formation.timetable
+    assert formation.leaders == SEVEN["diamond"]
+    assert list(formation.offsets.values()) == OFFSETS["diamond"]
+    assert change.time == 15.0
     assert change.offsets == {2: (-10, 0), 3: (-20, 0), 4: (-30, 0), 5: (-10, 0), 6: (-20, 0), 7: (-30, 0)}
 
 
-def system(size, kind="chain", timetable=(), **settings):
-    return formation(size, kind, Law("Follower", motion=True), timetable, SETTINGS | settings, Cars("unicycle"), ROOM)
+@pytest.mark.parametrize(("kind", "row"), [("chain", True), ("star", True), ("v", False), ("diamond", False)])
+def test_chain_and_star_are_rows(kind, row):
+    assert arranged((), settings(4, kind)).in_a_row == row
 
 
 def test_one_car_has_no_follower():
-    assert list(system(1).instances) == [f"car1.{n}" for n in ("reference", "hlc", "plant", "imu", "gps", "filter")]
+    alone = system(arranged((), settings(1)))
+    assert list(alone.instances) == [f"car1.{n}" for n in ("reference", "hlc", "plant", "imu", "gps", "filter")]
 
 
 def test_the_timetable_moves_the_followers_it_names():
-    events = system(3, timetable=[Change(2.0, {3: (-15.0, 1.0)})]).events.values()
-    assert {(e.time, f"{e.instance}.{e.variable}", e.value) for e in events} == {
+    formation = replace(arranged((), settings(3)), timetable=[Transition(2.0, {3: (-15.0, 1.0)})])
+    assert [(e.time, e.signal, e.value) for e in system(formation).events] == [
         (2.0, "car3.follower.formation.x", -15.0),
         (2.0, "car3.follower.formation.y", 1.0),
-    }
+    ]
 
 
-def test_starts_follow_what_is_set_of_the_followers():
-    changed = system(3, headway=0.5)
-    changed.set("car2.follower.formation.y", "2")
+def test_starts_follow_what_is_set_of_the_followers(configured):
+    light = ("scenario.plant=unicycle", "scenario.vehicles=3", "scenario.topology=chain", "scenario.headway=0.5")
+    changed = configured("formation-adaptive", *light, "car2.follower.formation.y=2")
     assert starts(changed, {2: 1, 3: 2}, 20.0) == {2: (-20.0, 2.0), 3: (-40.0, 2.0)}
-    changed.set("car3.follower.formation.x", "far")
-    with pytest.raises(CosimError, match=r"car3\.follower\.formation\.x = 'far' is not a number"):
-        starts(changed, {2: 1, 3: 2}, 20.0)
+    with pytest.raises(CosimError, match=r"car3\.follower\.formation\.x = far is not a number"):
+        configured("formation-adaptive", *light, "car3.follower.formation.x=far")
 
 
 @pytest.mark.parametrize("car", [1, 9])
 def test_only_followers_change_their_places(car):
     with pytest.raises(CosimError, match=rf"car {car} follows nobody in this formation .* at 2 s"):
-        system(3, timetable=[Change(2.0, {car: (0.0, 0.0)})])
+        replace(arranged((), settings(3)), timetable=[Transition(2.0, {car: (0.0, 0.0)})])
+    with pytest.raises(CosimError, match=rf"car {car} follows nobody in this formation .* at 0 s"):
+        Formation({2: 1}, {2: (-10.0, 0.0), car: (0.0, 0.0)})
 
 
 def test_what_there_is_none_of_is_said():
     with pytest.raises(CosimError, match="unknown topology 'ring'; known are chain, diamond, star, v"):
-        system(3, "ring")
+        arranged((), settings(3, "ring"))
     with pytest.raises(CosimError, match="unknown shape of a formation 'circle'"):
-        change_of_shape(1.0, "circle", 3, "chain", ROOM)
-    with pytest.raises(CosimError, match="a formation of 0 cars is none; give at least one"):
-        system(0)
+        arranged([(1.0, "circle")], settings(3))
 
 
 @pytest.mark.parametrize(
@@ -119,4 +137,4 @@ def test_what_there_is_none_of_is_said():
 )
 def test_bad_settings_are_one_sentence(assignment, sentence):
     with pytest.raises(CosimError, match=sentence):
-        chosen(load("formation-adaptive"), [assignment])
+        chosen(ADAPTIVE.name, ADAPTIVE.settings, [assignment])
