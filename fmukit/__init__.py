@@ -1,6 +1,6 @@
-"""How an FMU is declared (`interface`), computed (`kernel`), made (`build`) and run (`runtime`).
+"""How an FMU is declared (`interface`), computed (`kernel`), made (`packaging`), run (`runtime`) and checked.
 
-Knows nothing of cars.
+The checks are in `conformance`. Nothing here knows of cars.
 """
 
 __version__ = "0.1.0"

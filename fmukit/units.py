@@ -18,30 +18,30 @@ _NONE = (Fraction(0),) * len(BASES)
 
 
 @dataclass(frozen=True, slots=True)
-class Unit:
-    """value in SI = `factor` * value + `offset`; `exponents` are those of BASES."""
+class SiUnit:
+    """What a unit is in SI: value in SI = `factor` * value + `offset`; `exponents` are those of BASES."""
 
     factor: float = 1.0
     offset: float = 0.0
     exponents: tuple[Fraction, ...] = _NONE
 
-    def __mul__(self, other: Unit) -> Unit:
+    def __mul__(self, other: SiUnit) -> SiUnit:
         exponents = tuple(a + b for a, b in zip(self.exponents, other.exponents, strict=True))
-        return Unit(self.factor * other.factor, 0.0, exponents)
+        return SiUnit(self.factor * other.factor, 0.0, exponents)
 
-    def __pow__(self, n: Fraction | int) -> Unit:
+    def __pow__(self, n: Fraction | int) -> SiUnit:
         if n == 1:
             return self
-        return Unit(self.factor ** float(n), 0.0, tuple(n * exponent for exponent in self.exponents))
+        return SiUnit(self.factor ** float(n), 0.0, tuple(n * exponent for exponent in self.exponents))
 
 
-def _base(name: str) -> Unit:
-    return Unit(exponents=tuple(Fraction(base == name) for base in BASES))
+def _base(name: str) -> SiUnit:
+    return SiUnit(exponents=tuple(Fraction(base == name) for base in BASES))
 
 
-def _named() -> dict[str, Unit]:
+def _named() -> dict[str, SiUnit]:
     """Base units first, then each unit from those before it."""
-    units = {name: _base(name) for name in BASES} | {"1": Unit()}
+    units = {name: _base(name) for name in BASES} | {"1": SiUnit()}
     derived = {
         "Hz": (1.0, "1/s"),
         "N": (1.0, "kg.m/s2"),
@@ -73,11 +73,11 @@ def _named() -> dict[str, Unit]:
     }
     for name, (factor, text) in derived.items():
         unit = _expression(text, units)
-        units[name] = Unit(factor * unit.factor, 0.0, unit.exponents)
-    return units | {"degC": Unit(1.0, 273.15, _base("K").exponents)}
+        units[name] = SiUnit(factor * unit.factor, 0.0, unit.exponents)
+    return units | {"degC": SiUnit(1.0, 273.15, _base("K").exponents)}
 
 
-def _expression(text: str, units: dict[str, Unit]) -> Unit:
+def _expression(text: str, units: dict[str, SiUnit]) -> SiUnit:
     tokens = _TOKEN.findall(text)
     if "".join(tokens) != text or not text:
         raise ValueError(f"unit {text!r} is not written like kg.m2, m/s2 or N/(m.s)")
@@ -90,7 +90,7 @@ def _expression(text: str, units: dict[str, Unit]) -> Unit:
     return unit
 
 
-def _quotient(tokens: list[str], units: dict[str, Unit]) -> Unit:
+def _quotient(tokens: list[str], units: dict[str, SiUnit]) -> SiUnit:
     unit = _product(tokens, units)
     while tokens[:1] == ["/"]:
         tokens.pop(0)
@@ -98,14 +98,14 @@ def _quotient(tokens: list[str], units: dict[str, Unit]) -> Unit:
     return unit
 
 
-def _divisor(tokens: list[str], units: dict[str, Unit]) -> Unit:
+def _divisor(tokens: list[str], units: dict[str, SiUnit]) -> SiUnit:
     if tokens[:1] != ["("]:
         return _factor(tokens, units)
     tokens.pop(0)
     return _closed(_product(tokens, units), tokens)
 
 
-def _product(tokens: list[str], units: dict[str, Unit]) -> Unit:
+def _product(tokens: list[str], units: dict[str, SiUnit]) -> SiUnit:
     unit = _factor(tokens, units)
     while tokens[:1] == ["."]:
         tokens.pop(0)
@@ -113,7 +113,7 @@ def _product(tokens: list[str], units: dict[str, Unit]) -> Unit:
     return unit
 
 
-def _factor(tokens: list[str], units: dict[str, Unit]) -> Unit:
+def _factor(tokens: list[str], units: dict[str, SiUnit]) -> SiUnit:
     token = tokens.pop(0)
     if token == "sqrt(":
         return _closed(_quotient(tokens, units), tokens) ** Fraction(1, 2)
@@ -121,7 +121,7 @@ def _factor(tokens: list[str], units: dict[str, Unit]) -> Unit:
     return units[match[1] if match else token] ** int((match and match[2]) or 1)
 
 
-def _closed(unit: Unit, tokens: list[str]) -> Unit:
+def _closed(unit: SiUnit, tokens: list[str]) -> SiUnit:
     if tokens.pop(0) != ")":
         raise IndexError
     return unit
@@ -131,6 +131,6 @@ _UNITS = _named()
 
 
 @cache
-def parse(text: str) -> Unit:
+def parse(text: str) -> SiUnit:
     """The unit `text` means; raises ValueError naming the part that is not known."""
     return _expression(text, _UNITS)

@@ -35,9 +35,9 @@ def command(platform: str) -> tuple[str, ...]:
     if platform not in PLATFORMS:
         raise BuildError(f"there is no platform {platform}; choose from {', '.join(PLATFORMS)}")
     if platform == host_platform():
-        native = _native()
-        if native:
-            return native
+        own = native()
+        if own:
+            return own
     if find_spec("ziglang"):
         return (sys.executable, "-m", "ziglang", "cc", "-target", _TARGETS[platform])
     need = "a C compiler" if platform == host_platform() else f"the ziglang package (to build for {platform})"
@@ -45,7 +45,8 @@ def command(platform: str) -> tuple[str, ...]:
     raise BuildError(f"building an FMU needs {need}: {others}run `pip install ziglang`")
 
 
-def _native() -> tuple[str, ...] | None:
+def native() -> tuple[str, ...] | None:
+    """The machine's own compiler, None if it has none; raises BuildError when CC names one that does not exist."""
     chosen = shlex.split(os.environ.get("CC", ""))
     if chosen:
         if shutil.which(chosen[0]) is None:

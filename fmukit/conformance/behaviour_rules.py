@@ -105,7 +105,7 @@ def _round_trip(bench: Bench, wanted: dict[ScalarVariable, Value]) -> list[str] 
     return seen
 
 
-def _refusal(instance: host.Instance, status: int, seen: list[str] | None) -> list[str] | None:
+def _refusal(instance: host.RawInstance, status: int, seen: list[str] | None) -> list[str] | None:
     """Free the instance after a refusal; after fatal not even that is allowed."""
     if status == host.FATAL:
         return ["a value that differs from the start value is answered with fatal"]

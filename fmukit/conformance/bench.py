@@ -45,6 +45,7 @@ class Bench:
 
     @cached_property
     def target(self) -> host.Target:
+        """The FMU as the raw host needs it."""
         place, suffix = PLATFORM
         library = self.folder / "binaries" / place / f"{self.package.identifier}{suffix}"
         outputs = [(t, tuple(v.vr for v in self.select("output", t))) for t in ("Real", "Integer", "Boolean")]
@@ -73,6 +74,7 @@ class Bench:
         return any(v.variability == "continuous" for v in self.select("output", "Real"))
 
     def requires(self, flag: str, why: str) -> None:
+        """Raise NotApplicable, saying `why`, when the FMU does not declare the capability `flag`."""
         if not self.package.flag(flag):
             raise NotApplicable(f"{why} ({flag} is not declared)")
 
@@ -126,7 +128,7 @@ class Bench:
 
     # instances
 
-    def make(self, name: str = "instance") -> host.Instance:
+    def make(self, name: str = "instance") -> host.RawInstance:
         """A new instance; raises CallFailed if the FMU makes none."""
         return host.made(self.target, name, None if self.package.python else formatting)
 
@@ -134,7 +136,7 @@ class Bench:
         """The outputs of a whole life: at the start and after each step."""
         return host.life(self.make(), experiment)
 
-    def lead(self, state: str, count: int = 5) -> host.Instance:
+    def lead(self, state: str, count: int = 5) -> host.RawInstance:
         """A new instance led to one of STATES; stepping and terminated come after `count` steps."""
         instance = self.make()
         if state == "instantiated":
@@ -148,7 +150,7 @@ class Bench:
             instance.must("Terminate")
         return instance
 
-    def finish(self, instance: host.Instance, state: str, count: int = 5) -> list[host.Row]:
+    def finish(self, instance: host.RawInstance, state: str, count: int = 5) -> list[host.Row]:
         """The outputs after each of the remaining steps; one discarded step is forgiven, see `disturbance`."""
         if state == "terminated":
             instance.must("Reset")
@@ -158,7 +160,7 @@ class Bench:
             instance.must("ExitInitializationMode")
         return host.steps(instance, self.experiment, count if state == "stepping" else 0, forgiving=True)
 
-    def dismiss(self, instance: host.Instance, state: str) -> None:
+    def dismiss(self, instance: host.RawInstance, state: str) -> None:
         """Free an instance, after its initialisation (freeing it earlier is the matter of a rule of its own)."""
         if state == "initialisation":
             instance.call("ExitInitializationMode")

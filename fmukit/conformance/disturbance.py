@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 from fmukit.conformance.bare import host
 from fmukit.conformance.bench import RESETS, Bench
 
-Act = Callable[[host.Instance], int]
+Act = Callable[[host.RawInstance], int]
 
 
 def disturbed(bench: Bench, what: str, state: str, act: Act) -> Iterator[str]:
@@ -33,7 +33,7 @@ def disturbed(bench: Bench, what: str, state: str, act: Act) -> Iterator[str]:
     yield from unharmed(bench, instance, state, status, what)
 
 
-def attempt(instance: host.Instance, act: Act) -> tuple[int, bool]:
+def attempt(instance: host.RawInstance, act: Act) -> tuple[int, bool]:
     """The status of `act` and whether a warning or worse was logged."""
     count = len(instance.messages)
     status = act(instance)
@@ -41,13 +41,14 @@ def attempt(instance: host.Instance, act: Act) -> tuple[int, bool]:
 
 
 def verdict(what: str, status: int, said: bool) -> Iterator[str]:
+    """What is wrong with the answer to a call that must be refused; `said`: a warning or worse was logged."""
     if status == host.FATAL:
         yield f"{what} is answered with fatal: the host must end, although nothing irreparable happened"
     elif status <= host.WARNING and not said:
         yield f"{what} is accepted: status {host.word(status)} and no message"
 
 
-def unharmed(bench: Bench, instance: host.Instance, state: str, status: int, what: str) -> Iterator[str]:
+def unharmed(bench: Bench, instance: host.RawInstance, state: str, status: int, what: str) -> Iterator[str]:
     """Finish the run (after a reset if `status` is an error) and compare; frees the instance."""
     resets = status >= host.ERROR or state == "terminated"
     if resets and any(_after_resets(bench).values()):
@@ -69,7 +70,7 @@ def _after_resets(bench: Bench) -> dict[str, str]:
     return bench.known(RESETS, {}) if once else bench.after_resets()
 
 
-def _values(bench: Bench, instance: host.Instance, state: str) -> str:
+def _values(bench: Bench, instance: host.RawInstance, state: str) -> str:
     """The outputs but the Booleans (one of them may signal the fault), where they may be read."""
     if state != "stepping":
         return ""

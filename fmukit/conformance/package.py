@@ -80,6 +80,7 @@ class Package:
 
     @property
     def guid(self) -> str:
+        """The GUID; "" if there is none."""
         return "" if self.root is None else str(self.root.get("guid", ""))
 
     def flag(self, name: str) -> bool:

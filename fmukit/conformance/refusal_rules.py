@@ -112,20 +112,20 @@ def wrong_guid(bench: Bench) -> Iterator[str]:
     if bench.package.python:
         raise NotApplicable("the binary of PythonFMU does not look at the GUID, which no Python code can mend")
     wrong = "{00000000-0000-0000-0000-000000000000}"
-    instance = host.Instance(replace(bench.target, guid=wrong))
+    instance = host.RawInstance(replace(bench.target, guid=wrong))
     if instance.component:
         yield f"fmi2Instantiate returns an instance for the GUID {wrong}"
         instance.free()
 
 
-def _get(reference: int, instance: host.Instance) -> int:
+def _get(reference: int, instance: host.RawInstance) -> int:
     return instance.get("Real", [reference])[0]
 
 
 def _set(bench: Bench, variable: ScalarVariable, state: str, when: str) -> Iterator[str]:
     """Setting another permitted value than the present one."""
 
-    def act(instance: host.Instance) -> int:
+    def act(instance: host.RawInstance) -> int:
         _, (value,) = instance.get(variable.fmi_type, [variable.vr])
         return instance.set(variable.fmi_type, [variable.vr], [_another(variable, value)])
 

@@ -127,7 +127,7 @@ def _tampered(bench: Bench, data: bytes) -> Iterator[tuple[str, bytes]]:
         yield f"an FMU state with byte {place} changed", data[:place] + flipped + data[place + 1 :]
 
 
-def _load(instance: host.Instance, data: bytes) -> int:
+def _load(instance: host.RawInstance, data: bytes) -> int:
     status, state = instance.from_bytes(data)
     if status > host.WARNING:
         return status

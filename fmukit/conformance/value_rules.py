@@ -65,7 +65,7 @@ def _refused(bench: Bench, state: str, cases: Sequence[Case]) -> Iterator[str]:
     """Each case on one instance; those that are not refused at once get an instance and the next call to object."""
     late: list[Case] = []
 
-    def all_at_once(instance: host.Instance) -> int:
+    def all_at_once(instance: host.RawInstance) -> int:
         worst = host.OK
         for variable, value in cases:
             status, said = attempt(instance, _setting(variable, value))
@@ -93,14 +93,14 @@ def _refused(bench: Bench, state: str, cases: Sequence[Case]) -> Iterator[str]:
         yield from disturbed(bench, "setting such values", state, all_at_once)
 
 
-def _setting(variable: ScalarVariable, value: float) -> Callable[[host.Instance], int]:
+def _setting(variable: ScalarVariable, value: float) -> Callable[[host.RawInstance], int]:
     return lambda instance: instance.set(variable.fmi_type, [variable.vr], [value])
 
 
-def _objecting(bench: Bench, variable: ScalarVariable, value: float, state: str) -> Callable[[host.Instance], int]:
+def _objecting(bench: Bench, variable: ScalarVariable, value: float, state: str) -> Callable[[host.RawInstance], int]:
     """Set the value and, if that is not refused, make the call that would use it."""
 
-    def act(instance: host.Instance) -> int:
+    def act(instance: host.RawInstance) -> int:
         status, said = attempt(instance, _setting(variable, value))
         if status > host.WARNING or said:
             return status
@@ -132,7 +132,7 @@ def percent(bench: Bench) -> Iterator[str]:
             instance.free()
 
 
-def _until_refused(bench: Bench, instance: host.Instance, variable: ScalarVariable) -> int:
+def _until_refused(bench: Bench, instance: host.RawInstance, variable: ScalarVariable) -> int:
     """Set the text and take the first step; stops at the first refusal, since no other call may follow it."""
     start = bench.experiment.start
     calls: tuple[Callable[[], int], ...] = (

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-import json
 import tempfile
 from collections.abc import Mapping, Sequence
 from hashlib import blake2b
@@ -17,12 +15,14 @@ from fmukit import files
 from fmukit.compiling import compiler
 from fmukit.component import Component
 from fmukit.errors import BuildError
-from fmukit.interface import Interface, Variable
+from fmukit.interface import Interface
 from fmukit.kernel import Kernel
-from fmukit.packaging import about, crosscheck, python_fmu, python_module, xml
+from fmukit.packaging import about, crosscheck, python_fmu, xml
 from fmukit.packaging.codegen import Code, generate
 from fmukit.packaging.dependencies import initial_dependencies
+from fmukit.packaging.description import described
 from fmukit.packaging.documentation import documents
+from fmukit.packaging.python_module import Embedded, embedded
 from fmukit.packaging.recording import recorded
 from fmukit.packing import pack
 from fmukit.python_kernel import PythonKernel, packages
@@ -73,13 +73,14 @@ def _model(interface: Interface, kernel: Kernel | PythonKernel, targets: tuple[s
     """Members of the archive that make it run."""
     code = generate(interface, kernel)
     dependencies = None if isinstance(kernel, PythonKernel) else initial_dependencies(interface, kernel)
-    more, program = python_module.files(kernel, targets) if isinstance(kernel, PythonKernel) else ({}, None)
-    files = more | _package(interface, code, program, {platform: library(code, platform) for platform in targets})
-    digest = _digest(files)
+    modules = embedded(kernel, targets) if isinstance(kernel, PythonKernel) else None
+    libraries = {platform: library(code, platform) for platform in targets}
+    contents = _package(interface, code, modules, libraries)
+    digest = _digest(contents)
     package = f"fmu_{digest.hex()[:16]}"
     script = f"{interface.name.lower()}_{digest.hex()[:16]}"
     text = f"from {package} import {interface.name}, keep\nkeep(globals())\n"
-    members = python_fmu.only_platforms(python_fmu.built(script, text, package, files), targets)
+    members = python_fmu.only_platforms(python_fmu.built(script, text, package, contents), targets)
     guid = f"{{{UUID(bytes=digest[:16])}}}"
     members["modelDescription.xml"] = xml.describe(interface, guid, about.about(), dependencies)
     return members
@@ -97,51 +98,22 @@ def library(code: Code, platform: str) -> bytes:
 
 
 def _package(
-    interface: Interface, code: Code, program: dict[str, object] | None, libraries: Mapping[str, bytes]
+    interface: Interface, code: Code, modules: Embedded | None, libraries: Mapping[str, bytes]
 ) -> dict[str, bytes]:
     """Files of the package inside the FMU."""
     runtime = Path(fmukit.runtime.__file__).parent
-    files = {f"runtime/{path.name}": path.read_bytes() for path in sorted(runtime.glob("*.py"))}
-    files["__init__.py"] = _INIT.format(name=interface.name).encode()
-    files["interface.json"] = json.dumps(_description(interface, code, program), indent=1).encode()
-    return files | {compiler.PLATFORMS[platform]: data for platform, data in libraries.items()}
-
-
-def _description(interface: Interface, code: Code, program: dict[str, object] | None) -> dict[str, object]:
-    table = interface.table
     return {
-        "name": interface.name,
-        "kind": interface.kind,
-        "step": interface.step,
-        "max_substep": interface.max_substep if interface.kind == "continuous" else None,
-        "derived": code.derived,
-        "states": code.states,
-        "table": table and dataclasses.asdict(table),
-        "program": program,
-        "advice": [dataclasses.asdict(advice) for advice in interface.advice],
-        "variables": [_entry(variable) for variable in interface.variables],
+        **(modules.files if modules else {}),
+        **{f"runtime/{path.name}": path.read_bytes() for path in sorted(runtime.glob("*.py"))},
+        "__init__.py": _INIT.format(name=interface.name).encode(),
+        "interface.json": described(interface, code, modules),
+        **{compiler.PLATFORMS[platform]: data for platform, data in libraries.items()},
     }
 
 
-def _entry(variable: Variable) -> dict[str, object]:
-    """What the runtime needs of a variable; its value reference is its place in the list."""
-    return {
-        "name": variable.name,
-        "type": variable.type,
-        "causality": variable.causality,
-        "start": variable.start if variable.type == "String" else float(variable.start),
-        "minimum": variable.minimum,
-        "maximum": variable.maximum,
-        "unit": variable.unit,
-    }
-
-
-def _digest(files: Mapping[str, bytes]) -> bytes:
+def _digest(contents: Mapping[str, bytes]) -> bytes:
     """Hash of everything that makes up the behaviour of the FMU."""
     digest = blake2b(pythonfmu.__version__.encode(), digest_size=32)
-    for name in sorted(files):
-        digest.update(f"{name} {len(files[name])}\n".encode() + files[name])
+    for name in sorted(contents):
+        digest.update(f"{name} {len(contents[name])}\n".encode() + contents[name])
     return digest.digest()
-
-
-__all__ = ["BuildError", "build"]

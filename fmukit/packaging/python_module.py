@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import sys
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from importlib.machinery import ModuleSpec
 from importlib.util import find_spec
 from pathlib import Path
@@ -31,8 +32,22 @@ def modules(kernel: PythonKernel) -> dict[str, Path]:
     return found
 
 
-def files(kernel: PythonKernel, platforms: Sequence[str]) -> tuple[dict[str, bytes], dict[str, object]]:
-    """The modules and the libraries as files of the FMU's package, and what the runtime must know of them."""
+@dataclass(frozen=True, slots=True)
+class Embedded:
+    """`files` of the FMU's package by path, and what the runtime is told of them.
+
+    `modules` by their names in that package, the first being the one called; `libraries` by name; `packages` are what
+    the host must have, with the least version of each.
+    """
+
+    files: dict[str, bytes]
+    modules: list[str]
+    libraries: list[str]
+    packages: dict[str, str]
+
+
+def embedded(kernel: PythonKernel, platforms: Sequence[str]) -> Embedded:
+    """The modules and the libraries as they lie in an FMU for the platforms; raises BuildError."""
     made, names = {f"{FOLDER}/__init__.py": b""}, []
     for name, path in modules(kernel).items():
         inside = [FOLDER, *(name.split(".")[1:] or [name])]
@@ -42,7 +57,7 @@ def files(kernel: PythonKernel, platforms: Sequence[str]) -> tuple[dict[str, byt
     for platform in platforms:
         libraries = [functions.library(library, name, platform) for name, library in kernel.libraries.items()]
         made |= {path.name: path.read_bytes() for path in libraries}
-    return made, {"modules": names, "libraries": list(kernel.libraries), "packages": dict(kernel.packages)}
+    return Embedded(made, names, list(kernel.libraries), dict(kernel.packages))
 
 
 def _file(name: str) -> Path:

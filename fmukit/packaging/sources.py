@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import sys
 from hashlib import blake2b
+from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -38,5 +38,5 @@ def _roots(component: Component) -> list[Path]:
     if top == component.model:
         spec = find_spec(top)
         return [Path(spec.origin)] if spec and spec.origin else []
-    module = sys.modules.get(top) or __import__(top)
+    module = import_module(top)
     return [Path(path) for path in module.__path__]

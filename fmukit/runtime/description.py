@@ -41,7 +41,7 @@ class TableFile:
 
 
 @dataclass(frozen=True, slots=True)
-class Program:
+class ScriptProgram:
     """The Python modules that stand for the kernel, the first being the one called; see `fmukit/python_kernel.py`.
 
     `packages` are pairs of a name and the least version; `derived` is the number of derived values.
@@ -91,7 +91,7 @@ class Description:
     period_slot: int
     seed_slot: int
     table: TableFile | None
-    program: Program | None
+    program: ScriptProgram | None
     remarks: tuple[Remark, ...]
 
     @property
@@ -144,6 +144,6 @@ def _remark(entry: Entry, slots: Mapping[str, int]) -> Remark:
     return Remark(slots[entry["output"]], text, tuple((f"{{{name}}}", slots[name]) for name in names))
 
 
-def _program(entry: Entry, derived: int) -> Program:
+def _program(entry: Entry, derived: int) -> ScriptProgram:
     packages = tuple(entry["packages"].items())
-    return Program(tuple(entry["modules"]), tuple(entry["libraries"]), packages, derived)
+    return ScriptProgram(tuple(entry["modules"]), tuple(entry["libraries"]), packages, derived)

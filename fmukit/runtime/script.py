@@ -16,7 +16,7 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from .description import Description, Program, Scalar
+from .description import Description, Scalar, ScriptProgram
 from .shared import Shared
 
 SAID = -3
@@ -31,7 +31,7 @@ class ScriptError(Exception):
     """The module cannot be used; the message is a sentence for the user."""
 
 
-def _load(program: Program, folder: Path, user: object) -> tuple[Any, Any]:
+def _load(program: ScriptProgram, folder: Path, user: object) -> tuple[Any, Any]:
     """The module of the FMU whose package lies in `folder`, and what it prepared, for one more user.
 
     With the end of the last user the compiled libraries are let go, so that their files can be deleted.
@@ -41,7 +41,7 @@ def _load(program: Program, folder: Path, user: object) -> tuple[Any, Any]:
     return found
 
 
-def _prepared(program: Program, folder: Path) -> tuple[Any, Any]:
+def _prepared(program: ScriptProgram, folder: Path) -> tuple[Any, Any]:
     """All modules are imported at once: the folder may be gone when one is needed."""
     for package, least in program.packages:
         _require(package, least)

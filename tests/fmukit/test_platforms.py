@@ -51,7 +51,7 @@ def _needed(data: bytes, folder: Path) -> set[str]:
 @pytest.fixture
 def zig_everywhere(monkeypatch: pytest.MonkeyPatch) -> None:
     """As on a machine without a compiler of its own."""
-    monkeypatch.setattr(compiler, "_native", lambda: None)
+    monkeypatch.setattr(compiler, "native", lambda: None)
     monkeypatch.setattr(compiler, "command", compiler.command.__wrapped__)
 
 

@@ -22,7 +22,7 @@ from fmukit.component import Component
 from fmukit.errors import BuildError
 from fmukit.packaging.builder import build
 from fmukit.packaging.crosscheck import bundle
-from fmukit.packaging.python_module import files, modules
+from fmukit.packaging.python_module import embedded, modules
 from fmukit.packaging.recording import record
 from fmukit.packaging.sources import fingerprint
 from fmukit.python_kernel import PythonKernel, packages
@@ -91,7 +91,7 @@ def test_a_damaged_library_does_not_travel(tmp_path: Path, monkeypatch: pytest.M
     path = library(kernel.libraries["hyperbola"], "hyperbola", platform)
     data = path.read_bytes()
     path.write_bytes(data[: int(share * len(data))])
-    assert files(kernel, [platform])[0]["hyperbola.so"] == data
+    assert embedded(kernel, [platform]).files["hyperbola.so"] == data
 
 
 def test_what_the_host_needs_is_written_everywhere(members: dict[str, bytes], tmp_path: Path) -> None:
@@ -146,14 +146,14 @@ def test_the_kernels_packages_and_all_depths_may_be_imported(copied: Path) -> No
     (copied / "run.py").write_text("from collections import abc\nfrom casadi import SX\nfrom .helpers import levels\n")
     kernel = PythonKernel("demo_copy.run", states=0, packages={"casadi": "3.7", "numpy": "1.26"})
     assert list(modules(kernel)) == ["demo_copy.run", "demo_copy.helpers.levels", "demo_copy.shape"]
-    assert files(kernel, ["linux64"])[1]["modules"] == ["model.run", "model.helpers.levels", "model.shape"]
+    assert embedded(kernel, ["linux64"]).modules == ["model.run", "model.helpers.levels", "model.shape"]
 
 
 @pytest.mark.nightly
 @pytest.mark.skipif(find_spec("ziglang") is None, reason="needs the extra zig")
 def test_the_library_is_compiled_for_windows_too() -> None:
     """With the functions casadi looks up, and without need of casadi's own libraries."""
-    made = pe_file.read(files(model.kernel(), ["win64"])[0]["hyperbola.dll"])
+    made = pe_file.read(embedded(model.kernel(), ["win64"]).files["hyperbola.dll"])
     assert {"nlp", "nlp_f", "nlp_g", "nlp_grad_f", "nlp_jac_g", "nlp_hess_l", "nlp_work"} <= set(made.exports)
     needed = [name.lower() for name in made.imports]
     assert [n for n in needed if n != "kernel32.dll" and not n.startswith("api-ms-win-crt-")] == []

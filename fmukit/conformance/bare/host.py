@@ -61,7 +61,7 @@ class Experiment:
         return Experiment(self.start, self.step, self.rows[:count])
 
 
-class Instance:
+class RawInstance:
     """One instance. The library stays loaded until the process ends, so static data outlives instances."""
 
     def __init__(
@@ -99,6 +99,7 @@ class Instance:
         self.expect(f"fmi2{name}", self.call(name, *arguments))
 
     def expect(self, what: str, status: int) -> None:
+        """Raise CallFailed, naming `what` was called, unless `status` is ok or warning."""
         if status > WARNING:
             raise CallFailed(f"{what} answers {word(status)}{self.last()}")
 
@@ -109,6 +110,7 @@ class Instance:
     # life cycle
 
     def setup(self, start: float) -> int:
+        """Call fmi2SetupExperiment with the time [s] at which the run starts, without an end."""
         return self.call("SetupExperiment", c_int(0), c_double(0), c_double(start), c_int(0), c_double(0))
 
     def enter(self, start: float) -> None:
@@ -117,9 +119,11 @@ class Instance:
         self.must("EnterInitializationMode")
 
     def step(self, time: float, size: float) -> int:
+        """Take a step from `time` over `size` [s]; gives the status."""
         return self.call("DoStep", c_double(time), c_double(size), c_int(1))
 
     def free(self) -> None:
+        """Free the instance, which must not be called any more."""
         function = self._function("FreeInstance")
         function.restype = None
         function(self.component)
@@ -127,11 +131,13 @@ class Instance:
     # variables
 
     def get(self, type_: str, references: Sequence[int]) -> tuple[int, list[Any]]:
+        """The status and the values of variables of a type, by value references."""
         values = (TYPES[type_] * len(references))()
         status = self.call(f"Get{type_}", (c_uint * len(references))(*references), c_size_t(len(references)), values)
         return status, list(values)
 
     def set(self, type_: str, references: Sequence[int], values: Sequence[Any]) -> int:
+        """Set variables of a type, by value references; gives the status."""
         count = len(references)
         given = [value.encode() if isinstance(value, str) else value for value in values]
         return self.call(f"Set{type_}", (c_uint * count)(*references), c_size_t(count), (TYPES[type_] * count)(*given))
@@ -146,23 +152,28 @@ class Instance:
         return tuple(row)
 
     def feed(self, values: Sequence[float]) -> None:
+        """Set the Real inputs of the target; raises CallFailed."""
         if values:
             self.expect("fmi2SetReal of the inputs", self.set("Real", self.target.inputs, values))
 
     # FMU states
 
     def state(self) -> c_void_p:
+        """A new FMU state, which `forget` must free; raises CallFailed."""
         state = c_void_p()
         self.must("GetFMUstate", byref(state))
         return state
 
     def restore(self, state: c_void_p) -> None:
+        """Go back to an FMU state; raises CallFailed."""
         self.must("SetFMUstate", state)
 
     def forget(self, state: c_void_p) -> None:
+        """Free an FMU state; raises CallFailed."""
         self.must("FreeFMUstate", byref(state))
 
     def to_bytes(self, state: c_void_p) -> bytes:
+        """An FMU state serialised; raises CallFailed."""
         size = c_size_t()
         self.must("SerializedFMUstateSize", state, byref(size))
         data = (c_char * size.value)()
@@ -170,11 +181,12 @@ class Instance:
         return bytes(data.raw)
 
     def from_bytes(self, data: bytes) -> tuple[int, c_void_p]:
+        """The status of deserialising bytes, and the FMU state made of them."""
         state, memory = c_void_p(), ctypes.create_string_buffer(data, max(1, len(data)))
         return self.call("DeSerializeFMUstate", memory, c_size_t(len(data)), byref(state)), state
 
 
-def steps(instance: Instance, experiment: Experiment, first: int = 0, forgiving: bool = False) -> list[Row]:
+def steps(instance: RawInstance, experiment: Experiment, first: int = 0, forgiving: bool = False) -> list[Row]:
     """The outputs after each step of the experiment from number `first` on; `forgiving` repeats one discarded step."""
     seen: list[Row] = []
     for k in range(first, len(experiment.rows)):
@@ -189,14 +201,14 @@ def steps(instance: Instance, experiment: Experiment, first: int = 0, forgiving:
     return seen
 
 
-def initialised(instance: Instance, experiment: Experiment) -> Row:
+def initialised(instance: RawInstance, experiment: Experiment) -> Row:
     """From instantiated to stepping; the outputs at the start."""
     instance.enter(experiment.start)
     instance.must("ExitInitializationMode")
     return instance.outputs()
 
 
-def life(instance: Instance, experiment: Experiment) -> list[Row]:
+def life(instance: RawInstance, experiment: Experiment) -> list[Row]:
     """The whole life of a new instance: the outputs at the start and after each step."""
     seen = [initialised(instance, experiment), *steps(instance, experiment)]
     instance.must("Terminate")
@@ -204,15 +216,16 @@ def life(instance: Instance, experiment: Experiment) -> list[Row]:
     return seen
 
 
-def made(target: Target, name: str = "instance", prepare: Callable[[Callbacks], None] | None = None) -> Instance:
+def made(target: Target, name: str = "instance", prepare: Callable[[Callbacks], None] | None = None) -> RawInstance:
     """A new instance; raises CallFailed if the FMU makes none."""
-    instance = Instance(target, name, prepare)
+    instance = RawInstance(target, name, prepare)
     if not instance.component:
         raise CallFailed(f"fmi2Instantiate returns no instance{instance.last()}")
     return instance
 
 
 def word(status: int) -> str:
+    """The name of a status."""
     return STATUS[status] if 0 <= status < len(STATUS) else f"the unknown status {status}"
 
 

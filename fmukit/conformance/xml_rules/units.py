@@ -9,7 +9,7 @@ from typing import Any
 from fmukit.conformance.package import Package
 from fmukit.conformance.rule import Rules
 from fmukit.conformance.xml_rules.group import reliable, repeated
-from fmukit.units import BASES, Unit, parse
+from fmukit.units import BASES, SiUnit, parse
 
 RULES: Rules[Package] = Rules(reliable)
 _LARGEST_EXPONENT = 12
@@ -105,7 +105,7 @@ def _units(package: Package) -> list[Any]:
     return list(package.root.iterfind("UnitDefinitions/Unit"))
 
 
-def _known(name: str) -> Unit | None:
+def _known(name: str) -> SiUnit | None:
     """What a name means to everybody; None if it is a tool's own name."""
     try:
         return parse(name)
@@ -121,7 +121,7 @@ def _scale(element: Any) -> Iterator[str]:
         yield f"offset of {element.tag} is {offset}"
 
 
-def _differences(base: Any, known: Unit) -> Iterator[str]:
+def _differences(base: Any, known: SiUnit) -> Iterator[str]:
     for name, exponent in zip(BASES, known.exponents, strict=True):
         seen = int(base.get(name, "0"))
         if seen != exponent and name != "rad":  # many tools take the radian for a pure number
@@ -132,7 +132,7 @@ def _differences(base: Any, known: Unit) -> Iterator[str]:
             yield from _differs(name, seen_value, meant)
 
 
-def _misfit(element: Any, unit: Unit, shown: Unit) -> Iterator[str]:
+def _misfit(element: Any, unit: SiUnit, shown: SiUnit) -> Iterator[str]:
     """value_SI = f_u v + o_u = f_d w + o_d, hence w = (f_u/f_d) v + (o_u - o_d)/f_d."""
     if unit.exponents[:-1] != shown.exponents[:-1]:  # the last is rad
         yield "the two do not measure the same quantity"
