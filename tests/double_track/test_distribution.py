@@ -13,7 +13,7 @@ import pytest
 from scipy import sparse
 
 from fmukit.qp import qp_solver
-from fmus.controllers.mpc_allocator.programs import _WHEELS
+from fmus.controllers.mpc_allocator.programs import WHEELS
 from fmus.double_track import data, distribution, model
 from fmus.double_track.distribution import Limits, Weights
 
@@ -133,7 +133,7 @@ def test_generated_code() -> None:
     best; what is left, up to 5 N, is between wheels that do much the same.
     """
     rng = np.random.default_rng(5)
-    settings = (replace(_WHEELS, absolute=1e-9, relative=1e-9, iterations=20000), _WHEELS)
+    settings = (replace(WHEELS, absolute=1e-9, relative=1e-9, iterations=20000), WHEELS)
     solvers = [qp_solver("wheels", distribution.PATTERN_P, distribution.PATTERN_A, s).function for s in settings]
     for _ in range(100):
         low, high = (rng.uniform(0, 3e3, 4) * (rng.random(4) > 0.15) for _ in range(2))
@@ -143,7 +143,7 @@ def test_generated_code() -> None:
             replace(WEIGHTS, moment=rng.uniform(1, 20), rho=1e-2),
         )
         raw = distribution.problem(*wanted, previous=before, low=-low, high=high, weights=weights)
-        tight, own = (solve(*raw, NONE, NONE, _WHEELS.rho, 0) for solve in solvers)
+        tight, own = (solve(*raw, NONE, NONE, WHEELS.rho, 0) for solve in solvers)
         assert int(tight[3]) == int(own[3]) == 1
         full = program(wanted, before, -low, high, weights)
         assert optimality(*full, tight[0].full().ravel()) < 1e-6

@@ -1,0 +1,1 @@
+"""Independent forms of the equations, and what else several tests share."""
