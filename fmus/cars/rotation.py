@@ -28,9 +28,15 @@ def rotation_z(angle: Any) -> ca.SX:
     return ca.vertcat(ca.horzcat(c, -s, 0), ca.horzcat(s, c, 0), ca.horzcat(0, 0, 1))
 
 
-def rotation_plane(angle: Any) -> ca.SX:
+def rotation_plane(angle: Any) -> Any:
     """Rz in the plane (2 x 2)."""
-    return rotation_z(angle)[:2, :2]
+    c, s = ca.cos(angle), ca.sin(angle)
+    return ca.vertcat(ca.horzcat(c, -s), ca.horzcat(s, c))
+
+
+def wrap(angle: Any) -> Any:
+    """The same direction [rad] in [-pi, pi]."""
+    return ca.atan2(ca.sin(angle), ca.cos(angle))
 
 
 def levelling(roll: Any, pitch: Any) -> ca.SX:

@@ -10,7 +10,7 @@ from typing import Any
 
 import casadi as ca
 
-from fmukit.kernel import Layout, Signals
+from fmukit.kernel import Layout, Parts, Signals
 from fmus.cars.double_track import DoubleTrackCar, double_track_car
 from fmus.cars.wheels import WHEELS
 from fmus.clip import clip
@@ -31,7 +31,7 @@ _LEAST_TORQUE = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
-class Motion:
+class PlanarInstant:
     """The car evaluated: body accelerations [m/s2], yaw acceleration, steering rate, and per wheel (4 each)
     longitudinal, lateral and normal force [N], slip angle and rolling velocity V_x [m/s].
     """
@@ -46,7 +46,7 @@ class Motion:
     V_x: ca.SX
 
 
-def evaluate(p: Signals, u: Signals, x: dict[str, ca.SX]) -> Motion:
+def evaluate(p: Signals, u: Signals, x: Parts) -> PlanarInstant:
     """Everything instantaneous about the car in state x under the inputs u."""
     c = double_track_car(p)
     F_z = ca.fmax(wheel_loads(c, x["transfer"][0], x["transfer"][1]), c.least_load)
@@ -55,7 +55,7 @@ def evaluate(p: Signals, u: Signals, x: dict[str, ca.SX]) -> Motion:
     X, Y = (ca.vertcat(*column) for column in zip(*c.wheel_positions, strict=True))
     v_x, v_y = x["velocity"][0] - x["yaw_rate"] * Y, x["velocity"][1] + x["yaw_rate"] * X
     V_x, V_y = v_x * cos + v_y * sin, v_y * cos - v_x * sin
-    speed = ca.sqrt(ca.sumsqr(x["velocity"]))
+    speed: Any = ca.sqrt(ca.sumsqr(x["velocity"]))
     alpha = ca.atan2(V_y, ca.fmax(ca.fabs(V_x), p["low_speed.speed"]))
     U, rolling = _longitudinal(p, u, c, V_x, rolling_coefficient(c.planar, speed) * F_z)
     road = u.vector("road_friction", WHEELS)
@@ -65,25 +65,24 @@ def evaluate(p: Signals, u: Signals, x: dict[str, ca.SX]) -> Motion:
     air = air_drag(c.planar, speed) * clip(x["velocity"][0] / p["low_speed.speed"], -1, 1)
     force = ca.vertcat(_sum(f_x) - air, _sum(f_y)) + u.vector("body_force", "xy")
     moment = _sum(X * f_y - Y * f_x) + u["body_moment.z"]
-    return Motion(
+    return PlanarInstant(
         force / c.planar.m, moment / c.planar.I_zz, steering_rate(p, u, x["steer"]), F_x, F_y, F_z, alpha, V_x
     )
 
 
-def derivative(p: Signals, x: dict[str, ca.SX], motion: Motion) -> ca.SX:
-    """x' as a column in the order of STATES."""
-    (v_x, v_y), r, a = ca.vertsplit(x["velocity"]), x["yaw_rate"], motion.acceleration
+def derivative(p: Signals, u: Signals, x: Parts) -> Parts:
+    """x' by name."""
+    now = evaluate(p, u, x)
+    v_x, v_y, r, a = x["velocity"][0], x["velocity"][1], x["yaw_rate"], now.acceleration
     c, s = ca.cos(x["yaw"]), ca.sin(x["yaw"])
-    return STATES.join(
-        {
-            "position": ca.vertcat(v_x * c - v_y * s, v_x * s + v_y * c),
-            "yaw": r,
-            "velocity": a + r * ca.vertcat(v_y, -v_x),
-            "yaw_rate": motion.yaw_acceleration,
-            "steer": motion.steer_rate,
-            "transfer": (a - x["transfer"]) / p["load.lag"],
-        }
-    )
+    return {
+        "position": ca.vertcat(v_x * c - v_y * s, v_x * s + v_y * c),
+        "yaw": r,
+        "velocity": a + r * ca.vertcat(v_y, -v_x),
+        "yaw_rate": now.yaw_acceleration,
+        "steer": now.steer_rate,
+        "transfer": (a - x["transfer"]) / p["load.lag"],
+    }
 
 
 def steering_rate(p: Signals, u: Signals, delta: ca.SX) -> ca.SX:

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import casadi as ca
 
-from fmukit.kernel import Layout, Signals
+from fmukit.kernel import Layout, Parts, Signals
 from fmus.cars.rotation import angle_rates
-from fmus.cars.wheels import WHEELS
 
 STATE = Layout(roll=1, roll_bias=1, pitch=1, pitch_bias=1, roll_covariance=3, pitch_covariance=3)
 """phi, b_p, theta, b_q and the covariances (angle, angle-bias, bias) of each pair."""
 
 
-def step(x: dict[str, ca.SX], rate: ca.SX, reading: ca.SX, T: ca.SX, p: Signals) -> dict[str, ca.SX]:
+def step(x: Parts, rate: ca.SX, reading: ca.SX, T: ca.SX, p: Signals) -> Parts:
     """Attitude a time T later, updated with `reading` = (roll, pitch); `rate` (3) is the measured mean rate over T.
 
     The z bias is left in: it enters only through roll and pitch times itself.
@@ -23,7 +22,7 @@ def step(x: dict[str, ca.SX], rate: ca.SX, reading: ca.SX, T: ca.SX, p: Signals)
     return _axis("roll", x, phi_dot, reading[0], T=T, p=p) | _axis("pitch", x, theta_dot, reading[1], T=T, p=p)
 
 
-def _axis(name: str, x: dict[str, ca.SX], rate: ca.SX, reading: ca.SX, *, T: ca.SX, p: Signals) -> dict[str, ca.SX]:
+def _axis(name: str, x: Parts, rate: ca.SX, reading: ca.SX, *, T: ca.SX, p: Signals) -> Parts:
     """One pair [angle, bias]: angle' = rate (bias already removed), bias a random walk, then a Joseph update."""
     angle, bias, P = x[name], x[f"{name}_bias"], x[f"{name}_covariance"]
     q_g, q_b, r = p["noise.gyroscope"] ** 2, p["noise.gyroscope_bias"] ** 2, p["noise.attitude"] ** 2
@@ -38,14 +37,14 @@ def _axis(name: str, x: dict[str, ca.SX], rate: ca.SX, reading: ca.SX, *, T: ca.
     return mean | {f"{name}_covariance": ca.vertcat(j11, j12, j22)}
 
 
-def quasi_static(travel: dict[str, ca.SX], force: ca.SX, p: Signals) -> ca.SX:
-    """(roll, pitch) of the body over a flat road: suspension travel plus the tyres' share.
+def quasi_static(travel: ca.SX, force: ca.SX, p: Signals) -> ca.SX:
+    """(roll, pitch) of the body over a flat road: suspension travel (4) [m] plus the tyres' share.
 
     phi = atan(mean over axles of (q_right - q_left)/d) + m h f_y / (c_z d^2)
     theta = atan((q_front - q_rear)/L) - m h f_x / (c_z L^2)
     The specific force `force` (2) contains the gravity of a tilted car, hence the overturning moment as well.
     """
-    fl, fr, rl, rr = (travel[wheel] for wheel in WHEELS)
+    fl, fr, rl, rr = ca.vertsplit(travel)
     d, L, c_z = p["design.track"], p["design.wheelbase"], p["design.tyre_stiffness"]
     moment = p["design.mass"] * p["design.cog_height"] * force
     roll = ca.atan((fr + rr - fl - rl) / (2 * d)) + moment[1] / (c_z * d**2)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import casadi as ca
 
-from fmukit.kernel import Layout
-from fmus.cars.rotation import rotation_plane
-from fmus.estimator.navigation import BELIEF, PACKED, STAGE_1, STAGE_2, STATE, pack, quarter_turn, unpack
+from fmukit.kernel import Layout, Parts, block
+from fmus.cars.rotation import rotation_plane, wrap
+from fmus.estimator.navigation import BELIEF, PACKED, STAGE_1, STAGE_2, STATE, full, pack, quarter_turn
 
 FIX = Layout(position=2, velocity=2, heading=1)
 LEVER = Layout(offset=2, velocity=2)
@@ -15,46 +17,42 @@ TRUST = Layout(position=1, velocity=1, heading=1, gate_heading=1, gate_position=
 """Variances of the fix, gates on the normalised innovation squared, refused fixes in a row before doubting."""
 
 
-def correct() -> ca.Function:
-    """(belief, fix, lever, trust, doubt, initial covariance) -> belief, NIS (heading, position), accepted (same).
+@block(belief=BELIEF, fix=FIX, lever=LEVER, trust=TRUST, doubt=1, initial=PACKED)
+def correct(
+    belief: Parts, fix: Parts, lever: Parts, trust: Parts, doubt: ca.SX, initial: ca.SX
+) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """The belief (column of BELIEF) after a fix, NIS (heading, position), and which of both are accepted.
 
     With `doubt` = 1 the initial covariance is added first and nothing is refused.
     """
-    belief, fix, lever, trust = (layout.symbol() for layout in (BELIEF, FIX, LEVER, TRUST))
-    doubt, initial = ca.SX.sym("doubt"), ca.SX.sym("P0", PACKED)
-    k, doubted = TRUST.split(trust), belief + doubt * ca.vertcat(ca.SX.zeros(STATE.size), initial)
-    z, P, nis_1, accepted_1 = _heading(*unpack(doubted), FIX.split(fix), k, doubt)
-    z, P, nis_2, accepted_2 = _position(z, P, FIX.split(fix), lever, k=k, doubt=doubt)
-    outcome = [ca.vertcat(z, pack(P)), ca.vertcat(nis_1, nis_2), ca.vertcat(accepted_1, accepted_2)]
-    return ca.Function("correct", [belief, fix, lever, trust, doubt, initial], outcome)
+    z, P = belief["mean"], full(belief["covariance"] + doubt * initial)
+    z, P, nis_1, accepted_1 = _heading(z, P, fix, trust, doubt)
+    z, P, nis_2, accepted_2 = _position(z, P, fix, lever, k=trust, doubt=doubt)
+    return ca.vertcat(z, pack(P)), ca.vertcat(nis_1, nis_2), ca.vertcat(accepted_1, accepted_2)
 
 
-def _heading(
-    z: ca.SX, P: ca.SX, fix: dict[str, ca.SX], k: dict[str, ca.SX], doubt: ca.SX
-) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
+def _heading(z: ca.SX, P: ca.SX, fix: Parts, k: Parts, doubt: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
     """Stage 1: two-antenna heading, innovation wrapped to (-pi, pi]."""
     H = ca.horzcat(1, ca.SX(1, STATE.size - 1))
     gap = fix["heading"] - z[0]
-    return update(
-        z, P, ca.atan2(ca.sin(gap), ca.cos(gap)), H, k["heading"], own=STAGE_1, gate=k["gate_heading"], doubt=doubt
-    )
+    return update(z, P, wrap(gap), H, k["heading"], own=STAGE_1, gate=k["gate_heading"], doubt=doubt)
 
 
 def _position(
-    z: ca.SX, P: ca.SX, fix: dict[str, ca.SX], lever: ca.SX, *, k: dict[str, ca.SX], doubt: ca.SX
+    z: ca.SX, P: ca.SX, fix: Parts, lever: Parts, *, k: Parts, doubt: ca.SX
 ) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
     """Stage 2: antenna position p + Rz(psi) l + c and velocity Rz(psi)(w + l'); psi's uncertainty is considered."""
     states = STATE.symbol("z")
     predicted = antenna(states, lever)
     H = ca.substitute(ca.jacobian(predicted, states), states, z)
     gap = ca.vertcat(fix["position"], fix["velocity"]) - ca.substitute(predicted, states, z)
-    R = ca.diag(ca.vertcat(k["position"], k["position"], k["velocity"], k["velocity"]))
+    R: Any = ca.diag(ca.vertcat(k["position"], k["position"], k["velocity"], k["velocity"]))
     return update(z, P, gap, H, R, own=STAGE_2, gate=k["gate_position"], doubt=doubt)
 
 
-def antenna(z: ca.SX, lever: ca.SX) -> ca.SX:
+def antenna(z: ca.SX, lever: Parts) -> ca.SX:
     """Predicted position and velocity of the antenna (4)."""
-    s, l = STATE.split(z), LEVER.split(lever)  # noqa: E741 (the book's lever arm)
+    s, l = STATE.split(z), lever  # noqa: E741 (the book's lever arm)
     Rz = rotation_plane(s["heading"])
     velocity = s["velocity"] + l["velocity"] - s["gyroscope_bias"] * quarter_turn(l["offset"])
     return ca.vertcat(s["position"] + Rz @ l["offset"] + s["gps_error"], Rz @ velocity)

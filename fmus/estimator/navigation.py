@@ -5,9 +5,11 @@ All of it lives in the level frame: yawed with the car, not rolled or pitched, s
 
 from __future__ import annotations
 
+from functools import cache
+
 import casadi as ca
 
-from fmukit.kernel import Layout
+from fmukit.kernel import Layout, Parts, block
 from fmus.cars.rotation import rotation_plane
 
 STATE = Layout(heading=1, gyroscope_bias=1, position=2, velocity=2, accelerometer_bias=2, gps_error=2)
@@ -20,23 +22,33 @@ PROCESS = Layout(gyroscope=1, gyroscope_bias=1, accelerometer=1, accelerometer_b
 """Densities n^2 of the four noises, variance of c [m2] and 1/tau [1/s]."""
 
 
-def propagate() -> ca.Function:
-    """(belief, reading, T, process) -> belief a time T later; T = 0 is the identity.
+@block(belief=BELIEF, reading=READING, T=1, process=PROCESS)
+def propagate(belief: Parts, reading: Parts, T: ca.SX, process: Parts) -> ca.SX:
+    """The belief (column of BELIEF) a time T [s] later; T = 0 is the identity.
 
     The mean is the exact solution for a constant reading, Phi its Jacobian, Q the van Loan integral up to T^3.
     """
-    belief, reading = BELIEF.symbol("b"), READING.symbol("reading")
-    T, process = ca.SX.sym("T"), PROCESS.symbol("q")
-    z, P = unpack(belief)
+    z, P = belief["mean"], full(belief["covariance"])
     forward = transition(z, reading, T, process)
     Phi = ca.jacobian(forward, z)
-    later = ca.vertcat(forward, pack(Phi @ P @ Phi.T + noise(z, reading, T, process)))
-    return ca.Function("propagate", [belief, reading, T, process], [later])
+    return ca.vertcat(forward, pack(Phi @ P @ Phi.T + noise(z, reading, T, process)))
 
 
-def derivative(z: ca.SX, reading: ca.SX, process: ca.SX) -> ca.SX:
+@block(symbol=ca.MX, belief=BELIEF.size, reading=READING.size, T=1, process=PROCESS.size)
+def stay(belief: ca.MX, reading: ca.MX, T: ca.MX, process: ca.MX) -> ca.MX:
+    """The belief as it is: what is taken in place of `propagate`."""
+    return belief
+
+
+@cache
+def propagate_if() -> ca.Function:
+    """(condition, belief, reading, T, process) -> `propagate` if the condition holds, else `stay`."""
+    return ca.Function.if_else("propagate_if", propagate.function, stay.function)
+
+
+def derivative(z: ca.SX, reading: Parts, process: Parts) -> ca.SX:
     """z' of the mean: psi' = r, p' = Rz(psi) w, w' = a - b_a - r x w, c' = -c/tau, r = omega - b_g."""
-    s, m = STATE.split(z), READING.split(reading)
+    s, m = STATE.split(z), reading
     r, a = m["yaw_rate"] - s["gyroscope_bias"], m["acceleration"] - s["accelerometer_bias"]
     rates = {
         "heading": r,
@@ -44,34 +56,34 @@ def derivative(z: ca.SX, reading: ca.SX, process: ca.SX) -> ca.SX:
         "position": rotation_plane(s["heading"]) @ s["velocity"],
         "velocity": a - r * quarter_turn(s["velocity"]),
         "accelerometer_bias": ca.SX(2, 1),
-        "gps_error": -PROCESS.split(process)["gps_decay"] * s["gps_error"],
+        "gps_error": -process["gps_decay"] * s["gps_error"],
     }
     return STATE.join(rates)
 
 
-def transition(z: ca.SX, reading: ca.SX, T: ca.SX, process: ca.SX) -> ca.SX:
+def transition(z: ca.SX, reading: Parts, T: ca.SX, process: Parts) -> ca.SX:
     """z after T: with alpha = r T, w+ = Rz(-alpha)(w + T J a), p+ = p + Rz(psi)(T w + T^2 K a).
 
     J and K are the first and second integral of the rotation, as series exact to alpha^6 (alpha is a few mrad).
     """
-    s, m = STATE.split(z), READING.split(reading)
+    s, m = STATE.split(z), reading
     r, a = m["yaw_rate"] - s["gyroscope_bias"], m["acceleration"] - s["accelerometer_bias"]
     alpha, w = r * T, s["velocity"]
     later = s | {
         "heading": s["heading"] + alpha,
         "position": s["position"] + rotation_plane(s["heading"]) @ (T * w + T**2 * (_series(alpha, 2) @ a)),
         "velocity": _series(-alpha, 0) @ (w + T * (_series(alpha, 1) @ a)),
-        "gps_error": ca.exp(-T * PROCESS.split(process)["gps_decay"]) * s["gps_error"],
+        "gps_error": ca.exp(-T * process["gps_decay"]) * s["gps_error"],
     }
     return STATE.join(later)
 
 
-def noise(z: ca.SX, reading: ca.SX, T: ca.SX, process: ca.SX) -> ca.SX:
+def noise(z: ca.SX, reading: Parts, T: ca.SX, process: Parts) -> ca.SX:
     """Q = Qc T + (A Qc + Qc A') T^2/2 + (A^2 Qc + 2 A Qc A' + Qc A'^2) T^3/6, A = dz'/dz.
 
     Sensor noise enters as the sensor's bias does; the walks enter the biases.
     """
-    q = PROCESS.split(process)
+    q = process
     A = ca.jacobian(derivative(z, reading, process), z)
     Qc = q["gyroscope"] * A[:, 1] @ A[:, 1].T + q["accelerometer"] * A[:, 6:8] @ A[:, 6:8].T
     walks = (q["gyroscope_bias"], q["accelerometer_bias"], q["accelerometer_bias"])
@@ -89,10 +101,9 @@ def quarter_turn(vector: ca.SX) -> ca.SX:
     return ca.vertcat(-vector[1], vector[0])
 
 
-def unpack(belief: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Mean (10) and full covariance (10 x 10) of a belief."""
-    parts = BELIEF.split(belief)
-    return parts["mean"], ca.tril2symm(ca.SX(ca.Sparsity.lower(STATE.size), parts["covariance"]))
+def full(packed: ca.SX) -> ca.SX:
+    """The covariance (10 x 10) of its lower triangle, column by column."""
+    return ca.tril2symm(ca.SX(ca.Sparsity.lower(STATE.size), packed))
 
 
 def pack(P: ca.SX) -> ca.SX:

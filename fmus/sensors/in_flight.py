@@ -6,72 +6,57 @@ kind. An item is a column of named values with two more: `taken`, its instant [s
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import casadi as ca
 
-from fmukit.kernel import Layout
+from fmukit.kernel import Layout, Parts, choose
 
 _NEVER = -1e9  # s, instant of an item that was not taken
 _DUE = 1e-7  # s, tolerance when comparing times
-
-States = Mapping[str, ca.SX]
 
 
 class InFlight:
     """A queue of `capacity` items of the given sizes, newest first.
 
-    Its states, by name in `sizes`: index of the period last served, number of items reported, the one reported last,
-    (instant, goodness) of the newest due, and the queue. `capacity` must be two more than the longest latency over the
-    shortest period: an item falls off the end when so many newer ones have been taken.
+    `states` are its states: index of the period last served, number of items reported, the one reported last, (instant,
+    goodness) of the newest due, and the queue. `capacity` must be two more than the longest latency over the shortest
+    period: an item falls off the end when so many newer ones have been taken.
     """
 
     def __init__(self, capacity: int, **sizes: int) -> None:
         self.item = Layout(**sizes, taken=1, good=1)
         self.capacity = capacity
-        self.sizes = {
-            "last_index": 1,
-            "count": 1,
-            "reported": self.item.size,
-            "latest": 2,
-            "queue": capacity * self.item.size,
-        }
+        self.states = Layout(last_index=1, count=1, reported=self.item, latest=2, queue=capacity * self.item.size)
 
-    def empty(self) -> dict[str, ca.SX]:
+    def empty(self) -> Parts:
         """The states before anything was taken."""
-        nothing = self.item.join(
-            {name: ca.SX.zeros(n) for name, n in self.item.sizes.items()} | {"taken": ca.SX(_NEVER)}
-        )
+        nothing = self.item.begun({"taken": _NEVER})
         return {
             "last_index": ca.SX(-1),
             "count": ca.SX(0),
-            "reported": nothing,
+            "reported": self.item.split(nothing),
             "latest": ca.SX([_NEVER, 0]),
             "queue": ca.repmat(nothing, self.capacity),
         }
 
-    def take(self, x: States, item: Mapping[str, ca.SX], period: ca.SX, t: ca.SX) -> dict[str, ca.SX]:
+    def take(self, x: Parts, item: Parts, period: ca.SX, t: ca.SX) -> Parts:
         """Put `item` at the head of the queue when one is due at t: one in every period, from time 0 on."""
         index = ca.floor((t + _DUE) / period)
         shifted = ca.vertcat(self.item.join(item), x["queue"][: -self.item.size])
-        return {**x, "queue": ca.if_else(index > x["last_index"], shifted, x["queue"]), "last_index": index}
+        return x | {"queue": ca.if_else(index > x["last_index"], shifted, x["queue"]), "last_index": index}
 
-    def report(self, x: States, latency: ca.SX, t: ca.SX) -> dict[str, ca.SX]:
+    def report(self, x: Parts, latency: ca.SX, t: ca.SX) -> Parts:
         """Report the newest good item whose latency has passed; `latest` becomes that of the newest due one."""
         reported, latest = x["reported"], x["latest"]
-        taken = self.item.split(reported)["taken"]
-        for column in reversed(ca.vertsplit(x["queue"], self.item.size)):
-            item = self.item.split(column)
+        for item in map(self.item.split, reversed(ca.vertsplit(x["queue"], self.item.size))):
             due = ca.logic_and(item["taken"] + latency <= t + _DUE, item["taken"] > latest[0])
             latest = ca.if_else(due, ca.vertcat(item["taken"], item["good"]), latest)
-            reported = ca.if_else(ca.logic_and(due, item["good"] > 0.5), column, reported)
-        count = x["count"] + (self.item.split(reported)["taken"] > taken)
-        return {**x, "reported": reported, "latest": latest, "count": count}
+            reported = choose(ca.logic_and(due, item["good"] > 0.5), item, reported)
+        count = x["count"] + (reported["taken"] > x["reported"]["taken"])
+        return x | {"reported": reported, "latest": latest, "count": count}
 
-    def newest(self, x: States) -> dict[str, ca.SX]:
+    def newest(self, x: Parts) -> Parts:
         """The item reported last by name, all zero before any."""
-        item = self.item.split(x["reported"])
-        return item | {"taken": ca.if_else(x["count"] > 0, item["taken"], 0)}
+        return x["reported"] | {"taken": ca.if_else(x["count"] > 0, x["reported"]["taken"], 0)}
 
 
 def good(lost_share: ca.SX, outage: tuple[ca.SX, ca.SX], w: ca.SX, t: ca.SX) -> ca.SX:

@@ -1,4 +1,4 @@
-"""Kernel of Unicycle: initialise, one substep, outputs."""
+"""Unicycle: start, motion over a substep in closed form, and outputs. Equations in README.md."""
 
 from __future__ import annotations
 
@@ -7,48 +7,52 @@ from math import pi
 import casadi as ca
 
 from fmukit.interface import AXES
-from fmukit.kernel import Kernel, Layout, Signals, continuous_kernel, stack, symbols
+from fmukit.kernel import Kernel, Layout, Parts, Signals, exact_kernel, named
+from fmus.cars.rotation import wrap
 from fmus.unicycle.interface import INTERFACE
 from fmus.unicycle.motion import FirstOrder, displacement, rate
 
 STATES = Layout(position=2, yaw=1, speed=1, yaw_rate=1)
-DERIVED = Layout()
 
 
 def kernel() -> Kernel:
-    """The kernel; see `fmukit.kernel.Kernel` for the arguments of its functions."""
-    return continuous_kernel(
-        INTERFACE, states=STATES, derived=DERIVED, initialise=_initialise(), step=_step(), output=_output()
-    )
+    """The kernel; nothing is derived from the parameters."""
+    return exact_kernel(INTERFACE, states=STATES, initialise=initialise, step=step, output=output)
 
 
-def _initialise() -> ca.Function:
-    p, u = symbols(INTERFACE, "parameter"), symbols(INTERFACE, "input")
-    x = {"position": p.vector("initial.position", "xy"), "yaw": p["initial.yaw"], "speed": p["initial.speed"]}
-    x["yaw_rate"] = ca.SX(0)
-    arguments = [p.column, u.column, ca.SX.sym("w", 0), ca.SX.sym("table", 0), ca.SX.sym("rows")]
-    return ca.Function("initialise", arguments, [ca.SX(0, 1), STATES.join(x), _outputs(p, u, x)])
+def initialise(p: Signals) -> tuple[Parts, Parts]:
+    """Moving straight ahead."""
+    start = {"position": p.vector("initial.position", "xy"), "yaw": p["initial.yaw"], "speed": p["initial.speed"]}
+    return {}, start
 
 
-def _step() -> ca.Function:
-    p, u, x = symbols(INTERFACE, "parameter"), symbols(INTERFACE, "input"), STATES.symbol()
-    h, now = ca.SX.sym("h"), STATES.split(x)
-    speed, yaw_rate = (FirstOrder(*channel) for channel in _channels(p, u, now))
-    new = {
-        "position": now["position"] + displacement(speed, yaw_rate, now["yaw"], h),
-        "yaw": _within_half_a_turn(now["yaw"] + yaw_rate.integral(h)),
+def step(p: Signals, u: Signals, x: Parts, h: ca.SX) -> Parts:
+    """The states after h [s] with the inputs held."""
+    speed, yaw_rate = (FirstOrder(*channel) for channel in channels(p, u, x))
+    return {
+        "position": x["position"] + displacement(speed, yaw_rate, x["yaw"], h),
+        "yaw": within_half_a_turn(x["yaw"] + yaw_rate.integral(h)),
         "speed": speed.value(h),
         "yaw_rate": yaw_rate.value(h),
     }
-    return ca.Function("step", [p.column, DERIVED.symbol("d"), u.column, x, h], [STATES.join(new)])
 
 
-def _output() -> ca.Function:
-    p, u, x = symbols(INTERFACE, "parameter"), symbols(INTERFACE, "input"), STATES.symbol()
-    return ca.Function("output", [p.column, DERIVED.symbol("d"), u.column, x], [_outputs(p, u, STATES.split(x))])
+def output(p: Signals, u: Signals, x: Parts) -> Parts:
+    """Pose, velocities and accelerations of O1."""
+    flat, v, omega = ca.SX(0), x["speed"], x["yaw_rate"]
+    v_dot, omega_dot = (rate(*channel) for channel in channels(p, u, x))
+    return {
+        **named("position", AXES, ca.vertcat(x["position"], p["geometry.cog_height"])),
+        **{"roll": flat, "pitch": flat, "yaw": wrap(x["yaw"]), "sideslip": flat},
+        **named("velocity", AXES, ca.vertcat(v, 0, 0)),
+        **named("angular_rate", AXES, ca.vertcat(0, 0, omega)),
+        **named("acceleration", AXES, ca.vertcat(v_dot, v * omega, 0)),
+        **named("specific_force", AXES, ca.vertcat(v_dot, v * omega, p["gravity"])),
+        **named("angular_acceleration", AXES, ca.vertcat(0, 0, omega_dot)),
+    }
 
 
-def _channels(p: Signals, u: Signals, x: dict[str, ca.SX]) -> tuple[tuple[ca.SX, ...], tuple[ca.SX, ...]]:
+def channels(p: Signals, u: Signals, x: Parts) -> tuple[tuple[ca.SX, ...], tuple[ca.SX, ...]]:
     """(value, command, lag, acceleration of the push) of the speed and of the yaw rate."""
     return (
         (x["speed"], u["command.speed"], p["speed.lag"], u["body_force.x"] / p["body.mass"]),
@@ -56,25 +60,6 @@ def _channels(p: Signals, u: Signals, x: dict[str, ca.SX]) -> tuple[tuple[ca.SX,
     )
 
 
-def _within_half_a_turn(yaw: ca.SX) -> ca.SX:
-    """A yaw that kept growing would lose digits over a long run."""
+def within_half_a_turn(yaw: ca.SX) -> ca.SX:
+    """The same direction [rad] in [-pi, pi): a yaw that kept growing would lose digits over a long run."""
     return yaw - 2 * pi * ca.floor((yaw + pi) / (2 * pi))
-
-
-def _outputs(p: Signals, u: Signals, x: dict[str, ca.SX]) -> ca.SX:
-    flat, v, omega = ca.SX(0), x["speed"], x["yaw_rate"]
-    v_dot, omega_dot = (rate(*channel) for channel in _channels(p, u, x))
-    values = {
-        **_named("position", ca.vertcat(x["position"], p["geometry.cog_height"])),
-        **{"roll": flat, "pitch": flat, "yaw": ca.atan2(ca.sin(x["yaw"]), ca.cos(x["yaw"])), "sideslip": flat},
-        **_named("velocity", ca.vertcat(v, 0, 0)),
-        **_named("angular_rate", ca.vertcat(0, 0, omega)),
-        **_named("acceleration", ca.vertcat(v_dot, v * omega, 0)),
-        **_named("specific_force", ca.vertcat(v_dot, v * omega, p["gravity"])),
-        **_named("angular_acceleration", ca.vertcat(0, 0, omega_dot)),
-    }
-    return stack(INTERFACE.names("output"), values)
-
-
-def _named(name: str, values: ca.SX) -> dict[str, ca.SX]:
-    return {f"{name}.{axis}": value for axis, value in zip(AXES, ca.vertsplit(values), strict=True)}

@@ -1,4 +1,4 @@
-"""The same equations as `appell`, solved by eliminating the legs: cost of a 3x3 system per evaluation.
+"""The equations of motion, solved by eliminating the legs: cost of a 3x3 system per evaluation.
 
 Knuckles and wheels have their centres of gravity in the wheel centre, wheels are axisymmetric and suspensions slide
 along z_1, so each leg is a point mass m_u that slides, plus a rotor. Its block of M is diagonal in (q, delta, Omega):
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from fmukit.kernel import Signals
+from fmukit.kernel import Parts, Signals
 from fmus.vehicle16dof.states import over_wheels, symmetric, unsprung_mass
 
 
@@ -56,9 +56,7 @@ class _Reduced:
     H: tuple[ca.SX, ca.SX, ca.SX]  # angular momentum about the wheel centre, steered frame
 
 
-def accelerations(
-    p: Signals, d: dict[str, ca.SX], omega: ca.SX, legs: list[Leg], *, force: ca.SX, moment: ca.SX
-) -> Accelerations:
+def accelerations(p: Signals, d: Parts, omega: ca.SX, legs: list[Leg], *, force: ca.SX, moment: ca.SX) -> Accelerations:
     """Solve M u' + h = Q; `force` [N] and `moment` [N.m] about O1 sum everything external, in K1."""
     m_u = unsprung_mass(p)
     reduced = [_reduce(p, m_u, omega, leg) for leg in legs]

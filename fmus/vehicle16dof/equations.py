@@ -6,16 +6,16 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from fmukit.kernel import Signals
+from fmukit.kernel import Parts, Signals
 from fmus.vehicle16dof import attitude, friction, suspension, tyre
 from fmus.vehicle16dof.contact import Contact, contact
 from fmus.vehicle16dof.dynamics import Accelerations, Leg, accelerations
-from fmus.vehicle16dof.states import CORNERS, STATES, Corner, over_wheels, wheel_place
+from fmus.vehicle16dof.states import CORNERS, Corner, over_wheels, wheel_place
 
 
 @dataclass(frozen=True, slots=True)
-class Wheel:
-    """One corner evaluated: its contact, tyre force, leg, the wrench on the car about O1 in K1, and slip rates."""
+class WheelForces:
+    """One corner: contact, tyre force and leg, its force [N] and moment about O1 [N.m] on the car in K1, slip rates."""
 
     contact: Contact
     tyre: tyre.TyreForce
@@ -26,17 +26,17 @@ class Wheel:
 
 
 @dataclass(frozen=True, slots=True)
-class Motion:
-    """The car evaluated: rotation body to world, gravity in K1 [m/s2], wheels, accelerations."""
+class MultibodyInstant:
+    """The car at an instant: rotation body to world (3 x 3), gravity in K1 [m/s2] (3), wheels, accelerations."""
 
     R: ca.SX
     gravity: ca.SX
-    wheels: list[Wheel]
+    wheels: list[WheelForces]
     accelerations: Accelerations
 
 
-def evaluate(p: Signals, d: dict[str, ca.SX], u: Signals, x: dict[str, ca.SX]) -> Motion:
-    """Everything instantaneous about the car in state x under the inputs u."""
+def evaluate(p: Signals, d: Parts, u: Signals, x: Parts) -> MultibodyInstant:
+    """Everything instantaneous about the car in state x under the inputs u; d holds the mass distribution."""
     R = attitude.rotation(x["attitude"])
     n, omega = R[2, :].T, x["angular_rate"]
     springs = suspension.corner_forces(p, u, x["travel"], x["travel_rate"])
@@ -44,29 +44,28 @@ def evaluate(p: Signals, d: dict[str, ca.SX], u: Signals, x: dict[str, ca.SX]) -
     force = over_wheels([w.force for w in wheels]) + u.vector("body_force", "xyz") + _drag(p, x["velocity"])
     moment = over_wheels([w.moment for w in wheels]) + u.vector("body_moment", "xyz")
     solved = accelerations(p, d, omega, [w.leg for w in wheels], force=force, moment=moment)
-    return Motion(R, -p["gravity"] * n, wheels, solved)
+    return MultibodyInstant(R, -p["gravity"] * n, wheels, solved)
 
 
-def derivative(x: dict[str, ca.SX], motion: Motion) -> ca.SX:
-    """x' as a column in the order of `states.STATES`."""
-    a, omega = motion.accelerations, x["angular_rate"]
-    slips = [wheel.slip_rates for wheel in motion.wheels]
-    return STATES.join(
-        {
-            "position": motion.R @ x["velocity"],
-            "attitude": attitude.rate(x["attitude"], omega),
-            "velocity": a.specific_force + motion.gravity - ca.cross(omega, x["velocity"]),
-            "angular_rate": a.angular,
-            "travel": x["travel_rate"],
-            "travel_rate": a.travel,
-            "steer": x["steer_rate"],
-            "steer_rate": a.steer,
-            "wheel_angle": x["wheel_speed"],
-            "wheel_speed": a.spin,
-            "slip_ratio": ca.vertcat(*(along for along, _ in slips)),
-            "slip_tangent": ca.vertcat(*(across for _, across in slips)),
-        }
-    )
+def derivative(p: Signals, d: Parts, u: Signals, x: Parts) -> Parts:
+    """x' by name."""
+    now = evaluate(p, d, u, x)
+    a, omega = now.accelerations, x["angular_rate"]
+    slips = [wheel.slip_rates for wheel in now.wheels]
+    return {
+        "position": now.R @ x["velocity"],
+        "attitude": attitude.rate(x["attitude"], omega),
+        "velocity": a.specific_force + now.gravity - ca.cross(omega, x["velocity"]),
+        "angular_rate": a.angular,
+        "travel": x["travel_rate"],
+        "travel_rate": a.travel,
+        "steer": x["steer_rate"],
+        "steer_rate": a.steer,
+        "wheel_angle": x["wheel_speed"],
+        "wheel_speed": a.spin,
+        "slip_ratio": ca.vertcat(*(along for along, _ in slips)),
+        "slip_tangent": ca.vertcat(*(across for _, across in slips)),
+    }
 
 
 def _drag(p: Signals, v: ca.SX) -> ca.SX:
@@ -75,7 +74,7 @@ def _drag(p: Signals, v: ca.SX) -> ca.SX:
     return ca.vertcat(-area * v[0] * ca.fabs(v[0]), 0, 0)
 
 
-def _wheel(p: Signals, u: Signals, x: dict[str, ca.SX], corner: Corner, *, n: ca.SX, spring: ca.SX) -> Wheel:
+def _wheel(p: Signals, u: Signals, x: Parts, corner: Corner, *, n: ca.SX, spring: ca.SX) -> WheelForces:
     i, k = corner.index, tyre.TyreData(p)
     x_w, y_w, z_w = wheel_place(p, corner)
     place, travel_rate, spin = ca.vertcat(x_w, y_w, z_w + x["travel"][i]), x["travel_rate"][i], x["wheel_speed"][i]
@@ -111,4 +110,4 @@ def _wheel(p: Signals, u: Signals, x: dict[str, ca.SX], corner: Corner, *, n: ca
         Q_spin=load - braking,
     )
     moment = ca.cross(place, force) + about_centre
-    return Wheel(touch, tyre_force, leg, force, moment, tyre.slip_rates(k, touch, spin, slips))
+    return WheelForces(touch, tyre_force, leg, force, moment, tyre.slip_rates(k, touch, spin, slips))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from fmukit.kernel import Signals, symbols
+from fmukit.kernel import Parts, Signals, block, slots
 from fmus.vehicle16dof import suspension
 from fmus.vehicle16dof.interface import INTERFACE
 from fmus.vehicle16dof.states import CORNERS, DERIVED, over_wheels, unsprung_mass, wheel_place
@@ -17,21 +17,23 @@ ITERATIONS = 15
 """Newton steps; the problem is nearly linear, so 4 suffice unless wheels lift or stops engage (engineering choice)."""
 
 
-def newton() -> ca.Function:
-    """(p, d, u) -> s = (height of O1, roll, pitch, travel (4)); wheels may be in the air, not all of them."""
-    p, u, d = symbols(INTERFACE, "parameter"), symbols(INTERFACE, "input"), DERIVED.symbol("d")
-    s = ca.SX.sym("s", 7)
-    residual = _residual(p, DERIVED.split(d), u, s)
-    better = s - ca.solve(ca.jacobian(residual, s), residual)
-    step = ca.Function("equilibrium_step", [s, p.column, d, u.column], [ca.cse(better)])
-    p_, d_, u_ = ca.MX.sym("p", p.column.numel()), ca.MX.sym("d", DERIVED.size), ca.MX.sym("u", u.column.numel())
-    found = ca.Function("guess", [p.column, u.column], [_guess(p, u)])(p_, u_)
+def found(p: Signals, d: Parts, u: Signals) -> ca.MX:
+    """s (7) = (height of O1, roll, pitch, travel (4)); wheels may be in the air, not all of them."""
+    s = guess(p, u)
     for _ in range(ITERATIONS):
-        found = step(found, p_, d_, u_)
-    return ca.Function("static_equilibrium", [p_, d_, u_], [found])
+        s = newton_step(s, p, d, u)
+    return s
 
 
-def _guess(p: Signals, u: Signals) -> ca.SX:
+@block(s=7, p=slots(INTERFACE, "parameter"), d=DERIVED, u=slots(INTERFACE, "input"))
+def newton_step(s: ca.SX, p: Signals, d: Parts, u: Signals) -> ca.SX:
+    """s - (dr/ds)^-1 r(s)."""
+    r = residual(p, d, u, s)
+    return ca.cse(s - ca.solve(ca.jacobian(r, s), r))
+
+
+@block(p=slots(INTERFACE, "parameter"), u=slots(INTERFACE, "input"))
+def guess(p: Signals, u: Signals) -> ca.SX:
     """The chassis level with the road as far as four heights allow, all tyres sunk by about two centimetres."""
     l_F, l_R = p["geometry.front_axle"], p["geometry.rear_axle"]
     fl, fr, rl, rr = (u[f"road_height.{c.name}"] - wheel_place(p, c)[2] + p["wheel.radius"] - 0.02 for c in CORNERS)
@@ -42,7 +44,7 @@ def _guess(p: Signals, u: Signals) -> ca.SX:
     return ca.vertcat(height, roll, (rear - front) / (l_F + l_R), twist, -twist, -twist, twist)
 
 
-def _residual(p: Signals, d: dict[str, ca.SX], u: Signals, s: ca.SX) -> ca.SX:
+def residual(p: Signals, d: Parts, u: Signals, s: ca.SX) -> ca.SX:
     z, roll, pitch, q = s[0], s[1], s[2], s[3:]
     n = ca.vertcat(-ca.sin(pitch), ca.cos(pitch) * ca.sin(roll), ca.cos(pitch) * ca.cos(roll))
     g, m_u = p["gravity"], unsprung_mass(p)

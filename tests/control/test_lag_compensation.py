@@ -11,15 +11,13 @@ from fmukit.direct import Direct
 from fmus.cars.nominal import DESIGN
 from fmus.controllers.high_level_lqr import COMPONENT, lag, leads, tracking
 from fmus.controllers.high_level_lqr.interface import INTERFACE
+from tests.references.error_model import continuous_model
 
 T = 0.05
 PARAMETERS = {v.name: float(v.start) for v in INTERFACE.select("parameter")}
-TAU = float(ca.DM(leads.yaw_rate(lambda name: ca.SX(PARAMETERS[name]))))
+P = {name: ca.SX(value) for name, value in PARAMETERS.items()}
+TAU = float(ca.DM(leads.yaw_rate(P)))
 L_F, L_R = DESIGN.l_f - DESIGN.pneumatic_trail, DESIGN.l_r + DESIGN.pneumatic_trail
-
-
-def get(name: str) -> ca.SX:
-    return ca.SX(PARAMETERS[name])
 
 
 def lagging_car(v: float) -> np.ndarray:
@@ -34,14 +32,14 @@ def lagging_car(v: float) -> np.ndarray:
 
 
 def seen(v: float, state: np.ndarray) -> np.ndarray:
-    return ca.DM(lag.undo(get, ca.SX(state[:4]), ca.SX(v), ca.SX(state[4]), ca.SX(state[5]))).full().ravel()
+    return ca.DM(lag.undo(P, ca.SX(state[:4]), ca.SX(v), ca.SX(state[4]), ca.SX(state[5]))).full().ravel()
 
 
 @pytest.mark.parametrize("v", [5.0, 15.0, 33.0])
 def test_four_integrators_remain(v: float) -> None:
     """Any state under any held input: transforming then advancing equals advancing then transforming."""
     random = np.random.default_rng(2)
-    Phi, Gamma = (ca.DM(m).full() for m in tracking.exact_model(ca.SX(v), ca.SX(0.0), T, lag.reach(get, ca.SX(v))))
+    Phi, Gamma = (ca.DM(m).full() for m in tracking.exact_model(ca.SX(v), ca.SX(0.0), T, lag.reach(P, ca.SX(v))))
     for _ in range(5):
         state, du = random.normal(size=6), random.normal(size=2)
         later = expm(lagging_car(v) * T) @ np.concatenate([state, du])
@@ -57,20 +55,20 @@ def test_rear_axle_answers_at_once() -> None:
     F_F = L_R * F_R / L_F  # no yaw acceleration
     rate = (F_F + F_R) / (DESIGN.mass * v) - r
     assert rate == pytest.approx(-a * beta - (1.0 - a * L_R / v) * r, rel=1e-12)
-    assert float(ca.DM(lag.slide(get, ca.SX(v)))) == pytest.approx(v / a, rel=1e-12)
+    assert float(ca.DM(lag.slide(P, ca.SX(v)))) == pytest.approx(v / a, rel=1e-12)
 
 
 def test_answer_is_a_first_order_lag() -> None:
     q = 0.0
     for k in range(20):
         assert q == pytest.approx(0.3 * (1.0 - np.exp(-k * 0.020 / TAU)))
-        q = float(ca.DM(lag.answer(get, ca.SX(q), ca.SX(0.3))))
+        q = float(ca.DM(lag.answer(P, ca.SX(q), ca.SX(0.3))))
 
 
 @pytest.mark.parametrize("curvature", [0.0, 0.01])
 def test_reach_enters_the_discrete_input_exactly(curvature: float) -> None:
     v, reach = 20.0, 7.0
-    A, B = (ca.DM(m).full() for m in tracking.continuous_model(ca.SX(v), ca.SX(curvature)))
+    A, B = (ca.DM(m).full() for m in continuous_model(ca.SX(v), ca.SX(curvature)))
     B[2, 1] -= reach
     block = expm(np.block([[A, B], [np.zeros((2, 6))]]) * T)
     Phi, Gamma = (ca.DM(m).full() for m in tracking.exact_model(ca.SX(v), ca.SX(curvature), T, reach))

@@ -11,6 +11,7 @@ from fmukit.direct import Direct
 from fmukit.kernel import Kernel
 from fmus.controllers.high_level_lqr import COMPONENT, riccati, tracking
 from fmus.controllers.high_level_lqr.model import STATES
+from tests.references.error_model import continuous_model
 
 T = 0.05
 Q, R = np.diag([0.3, 0.3, 1.0, 20.0]), np.diag([0.3, 10.0])
@@ -63,7 +64,7 @@ def test_exact_model_is_the_matrix_exponential(v: float, curvature: float) -> No
 
 def test_continuous_model_linearises_the_kinematics() -> None:
     v, curvature, h = 20.0, 0.01, 1e-6
-    A, B = tracking.continuous_model(ca.SX(v), ca.SX(curvature))
+    A, B = continuous_model(ca.SX(v), ca.SX(curvature))
     expected = error_model(v, curvature)
     np.testing.assert_allclose(ca.DM(A).full(), expected[0])
     np.testing.assert_allclose(ca.DM(B).full(), expected[1])
@@ -79,14 +80,14 @@ def test_continuous_model_linearises_the_kinematics() -> None:
 
 
 def test_terminal_weight_solves_the_algebraic_riccati_equation() -> None:
-    S = ca.DM(riccati.unpack(ca.SX(riccati.terminal(T)([*WEIGHTS, 30.0, 0.0])))).full()
+    S = ca.DM(riccati.unpack(ca.SX(riccati.terminal(WEIGHTS, 30.0, 0.0)))).full()
     np.testing.assert_allclose(S, terminal_weight(), rtol=1e-9, atol=1e-9)
 
 
 def test_terminal_weight_converges_for_slow_and_fast_designs() -> None:
     for scale in (1e-3, 1e4):
         weights = np.concatenate([np.diag(Q), scale * np.diag(R)])
-        S = ca.DM(riccati.unpack(ca.SX(riccati.terminal(T)([*weights, 20.0, 0.0])))).full()
+        S = ca.DM(riccati.unpack(ca.SX(riccati.terminal(np.array(weights), 20.0, 0.0)))).full()
         exact = solve_discrete_are(*discrete_model(20.0, 0.0), Q, scale * R)
         np.testing.assert_allclose(S, exact, rtol=1e-6, atol=1e-6 * np.abs(exact).max())
 

@@ -205,7 +205,7 @@ def hasty() -> Kernel:
     patch = pytest.MonkeyPatch()
     programs.solvers.cache_clear()
     patch.setattr(
-        programs, "_TRACKING", replace(programs._TRACKING, absolute=1e-14, relative=1e-14, iterations=10, adapt=0)
+        programs, "TRACKING", replace(programs.TRACKING, absolute=1e-14, relative=1e-14, iterations=10, adapt=0)
     )
     made = model.kernel()
     patch.undo()

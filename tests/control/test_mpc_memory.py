@@ -8,6 +8,7 @@ import pytest
 from mpc_loop import Array, Hook, Loop, driven, lane_change
 
 from fmukit.direct import Direct
+from fmukit.kernel import Signals, block, slots
 from fmus.cars.wheels import WHEELS
 from fmus.controllers.mpc_allocator import memory
 from fmus.controllers.mpc_allocator.interface import INTERFACE
@@ -98,9 +99,13 @@ def test_the_path_is_remembered_at_any_sampling_period(period: float) -> None:
     rows = ca.evalf(memory.straight(ca.MX(ca.DM(samples[:, 0])))).full()
     for k in range(len(times) - 1):
         rows = keep(rows, samples[:, k]).full()
-    u, back = ca.MX.sym("u", len(INTERFACE.names("input"))), np.arange(-20.0, -0.1, 0.05)
+    back = np.arange(-20.0, -0.1, 0.05)
     passage = memory.Passage(ca.MX(0), ca.MX(1), ca.MX(0), ca.MX(memory.SEEN))
-    told_again = ca.Function("again", [u], [memory.along(u, ca.MX(ca.DM(rows)), passage, ca.MX(ca.DM(back)))])
+
+    @block(symbol=ca.MX, u=slots(INTERFACE, "input"))
+    def told_again(u: Signals) -> ca.MX:
+        return memory.along(u, ca.MX(ca.DM(rows)), passage, ca.MX(ca.DM(back)))
+
     bus = np.zeros(len(INTERFACE.names("input")))
     for name, column in told.items():
         bus[INTERFACE.names("input").index(name)] = samples[column - 1, -1]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 import casadi as ca
 import numpy as np
 import pytest
@@ -11,7 +9,7 @@ from mpc_loop import lane_change
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from fmukit.kernel import symbols
+from fmukit.kernel import Signals, block, slots
 from fmus.cars.published import double_track, single_track
 from fmus.controllers.bus import PREVIEW, PREVIEW_PERIOD
 from fmus.controllers.mpc_allocator import design_car, horizon, inversion, linearise, memory
@@ -31,17 +29,10 @@ def _parameters(**changed: float) -> Array:
     return np.array([values[name] for name in INTERFACE.names("parameter")])
 
 
-@cache
-def _rate() -> ca.Function:
-    """x' of the design model: (x, u, a)."""
-    p, x, u, a = symbols(INTERFACE, "parameter"), ca.SX.sym("x", 7), ca.SX.sym("u", 3), ca.SX.sym("a", 2)
-    f = design_car.rate(design_car.design_car(p), p["actuator.steer_lag"], x, u, a)
-    return ca.Function("rate", [p.column, x, u, a], [f])
-
-
-@cache
-def _linearise() -> ca.Function:
-    return linearise.function()
+@block(p=slots(INTERFACE, "parameter"), x=7, u=3, a=2)
+def _rate(p: Signals, x: ca.SX, u: ca.SX, a: ca.SX) -> ca.SX:
+    """x' of the design model."""
+    return design_car.rate(design_car.design_car(p), p["actuator.steer_lag"], x, u, a)
 
 
 @pytest.mark.parametrize("size", [0.1, 1.0, 4.0])
@@ -60,7 +51,7 @@ def test_without_forces_the_design_model_is_the_double_track_car() -> None:
     for _ in range(20):
         x = draw.normal(size=7) * [10, 10, 3, 0.05, 1, 0.3, 0.05] + [0, 0, 20, 0, 0, 0, 0]
         a, command = draw.normal(size=2), 0.05 * draw.normal()
-        ours = _rate()(_parameters(), x, [command, 0.0, 0.0], a).full().ravel()
+        ours = _rate(_parameters(), x, [command, 0.0, 0.0], a).full().ravel()
         theirs = f(x, [(command - x[6]) / _LAG, 0, 0, 0, 0], a)[0].full().ravel()
         assert ours == pytest.approx(theirs, rel=1e-12, abs=1e-12)
 
@@ -70,23 +61,26 @@ def test_forces_of_the_sides_are_those_of_the_wheels_at_straight_steering() -> N
     for _ in range(20):
         x = draw.normal(size=7) * [10, 10, 3, 0.05, 1, 0.3, 0.0] + [0, 0, 20, 0, 0, 0, 0]
         a, U = draw.normal(size=2), 1e3 * draw.normal(size=4)
-        ours = _rate()(_parameters(), x, [0.0, U[0] + U[2], U[1] + U[3]], a).full().ravel()
+        ours = _rate(_parameters(), x, [0.0, U[0] + U[2], U[1] + U[3]], a).full().ravel()
         assert ours == pytest.approx(f(x, [0, *U], a)[0].full().ravel(), rel=1e-12, abs=1e-9)
+
+
+@block(p=slots(INTERFACE, "parameter"), z=2, s=3)
+def _on_the_path(p: Signals, z: ca.SX, s: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """z at rest, z a period later, and the steering angle at z, all on a path of s = (v, a, kappa)."""
+    car = design_car.design_car(p)
+    later = inversion.advance(car, z, (s, s, s), PERIOD)
+    return inversion.steady(car, s[0], s[2]), later, inversion.steering(car, z, s)
 
 
 def _circle(speed: float, curvature: float, acceleration: float = 0.0) -> tuple[Array, Array]:
     """Two neighbouring nodes of the reference on a circle, after the zero dynamics have come to rest."""
-    p, s = symbols(INTERFACE, "parameter"), ca.SX.sym("s", 3)
-    car, z = design_car.design_car(p), ca.SX.sym("z", 2)
-    advance = ca.Function("advance", [p.column, z, s], [inversion.advance(car, z, (s, s, s), PERIOD)])
-    steer = ca.Function("steer", [p.column, z, s], [inversion.steering(car, z, s)])
-    steady = ca.Function("steady", [p.column, s], [inversion.steady(car, s[0], s[2])])
     sample = [speed, acceleration, curvature]
-    beta_omega = steady(_parameters(), sample)
+    beta_omega, *_ = _on_the_path(_parameters(), [0.0, 0.0], sample)
     for _ in range(200):
-        beta_omega = advance(_parameters(), beta_omega, sample)
+        _, beta_omega, _ = _on_the_path(_parameters(), beta_omega, sample)
     z_end = beta_omega.full().ravel()
-    delta = float(steer(_parameters(), z_end, sample))
+    delta = float(_on_the_path(_parameters(), z_end, sample)[2])
     nodes = []
     for t in (0.0, PERIOD):
         turn = speed * curvature * t
@@ -98,13 +92,13 @@ def _circle(speed: float, curvature: float, acceleration: float = 0.0) -> tuple[
 @pytest.mark.parametrize(("speed", "curvature"), [(10.0, 0.03), (20.0, 0.01), (30.0, -0.005), (25.0, 0.0)])
 def test_inversion_of_a_circle_is_an_equilibrium_of_the_car(speed: float, curvature: float) -> None:
     node, after = _circle(speed, curvature)
-    _, _, c, u_r, e, w = (part.full() for part in _linearise()(_parameters(), node, after, np.zeros(6)))
+    _, _, c, u_r, e, w = (part.full() for part in linearise.predicted(_parameters(), node, after, np.zeros(6)))
     assert c.ravel() == pytest.approx(np.zeros(7), abs=1e-3)  # both wheels of an axle do not slip quite alike
     assert np.max(np.abs(c[:5])) < 5e-5
     assert np.max(np.abs(e)) == 0.0
     assert np.max(np.abs(w)) == 0.0
     state = linearise.state(ca.DM(node)).full().ravel()
-    rate = _rate()(_parameters(), state, u_r, [0.0, speed**2 * curvature]).full().ravel()
+    rate = _rate(_parameters(), state, u_r, [0.0, speed**2 * curvature]).full().ravel()
     assert rate[2] == pytest.approx(0.0, abs=1e-3)
     assert rate[3] == pytest.approx(0.0, abs=2e-3)
     assert rate[5] == pytest.approx(0.0, abs=5e-2)
@@ -117,13 +111,13 @@ def test_prediction_is_the_derivative_of_the_integrated_car(speed: float, curvat
     On a straight the reference is an exact equilibrium, on a circle nearly one.
     """
     node, after = _circle(speed, curvature)
-    found = [part.full() for part in _linearise()(_parameters(), node, after, np.zeros(6))]
+    found = [part.full() for part in linearise.predicted(_parameters(), node, after, np.zeros(6))]
     Phi, Gamma, u_r = found[0], found[1], found[3].ravel()
     start, loads = linearise.state(ca.DM(node)).full().ravel(), [0.0, speed**2 * curvature]
 
     def end(e: Array, w: Array) -> Array:
         def rate(t: float, x: Array) -> Array:
-            return _rate()(_parameters(), x, u_r + w, loads).full().ravel()
+            return _rate(_parameters(), x, u_r + w, loads).full().ravel()
 
         x = solve_ivp(rate, (0.0, PERIOD), start + e, rtol=1e-11, atol=1e-13).y[:, -1]
         c, s = np.cos(after[2]), np.sin(after[2])
@@ -144,14 +138,14 @@ def test_steady_errors_are_an_equilibrium_under_the_disturbance() -> None:
     """On a straight, the car started beside the reference by the steady errors stays there, by scipy's integrator."""
     node, after = _circle(20.0, 0.0)
     d = np.array([0.05, -0.1, -0.4, 0.04, 0.01, 0.5])
-    found = [part.full() for part in _linearise()(_parameters(), node, after, d)]
+    found = [part.full() for part in linearise.predicted(_parameters(), node, after, d)]
     u_r, e, w = (found[i].ravel() for i in (3, 4, 5))
     assert np.all(e[:2] == 0.0)
     assert np.all(np.abs(e[[2, 3, 4, 6]]) > 1e-3)
     start = linearise.state(ca.DM(node)).full().ravel() + e
 
     def rate(t: float, x: Array) -> Array:
-        return np.add(_rate()(_parameters(), x, u_r + w, [0.0, 0.0]).full().ravel(), [*d, 0.0])
+        return np.add(_rate(_parameters(), x, u_r + w, [0.0, 0.0]).full().ravel(), [*d, 0.0])
 
     duration = 1.0
     x = solve_ivp(rate, (0.0, duration), start, rtol=1e-9, atol=1e-11).y[:, -1]
@@ -168,19 +162,22 @@ def _bus_at(table: Array, t: float) -> Array:
     return np.array([values.get(name, 0.0) for name in INTERFACE.names("input")])
 
 
+@block(symbol=ca.MX, p=slots(INTERFACE, "parameter"), u=slots(INTERFACE, "input"), z=2)
+def _nodes(p: Signals, u: Signals, z: ca.MX) -> ca.MX:
+    past = memory.straight(memory.now(u))
+    passage = memory.Passage(ca.MX(0), ca.MX(1), ca.MX(0), ca.MX(memory.SEEN))
+    path = memory.along(u, past, passage, horizon.times(ca.MX(PERIOD)))[:, : 2 * NODES + 1]
+    return horizon.reference(p, z, path)
+
+
 def test_inversion_finds_the_states_of_the_planned_car() -> None:
     """The plan is a motion of the single-track car: sideslip, yaw rate and steering angle come back from its path."""
     plan = plans.named("double-lane-change", 80, "gate", 10.0)
     times, x, _ = check.fine(plan.vehicle, plan.nodes, plan.substeps, check.FINER)
-    p, u, z = ca.MX.sym("p", len(_START)), ca.MX.sym("u", len(INTERFACE.names("input"))), ca.MX.sym("z", 2)
-    past = memory.straight(memory.now(u))
-    passage = memory.Passage(ca.MX(0), ca.MX(1), ca.MX(0), ca.MX(memory.SEEN))
-    path = memory.along(u, past, passage, horizon.times(ca.MX(PERIOD)))[:, : 2 * NODES + 1]
-    nodes = ca.Function("nodes", [p, u, z], [horizon.reference(p, z, path)])
     level = _parameters(design__geometry__cog_height=0.0)
     z_now, found = np.zeros(2), []
     for k in range(0, 300, NODES):
-        piece = nodes(level, _bus_at(lane_change(), k * PERIOD), z_now).full()
+        piece = _nodes(level, _bus_at(lane_change(), k * PERIOD), z_now).full()
         z_now = piece[6:8, -1]
         found.append(piece[:, :-1])
     ours = np.hstack(found)

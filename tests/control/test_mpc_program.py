@@ -15,7 +15,7 @@ from fmukit.qp import QpSettings, qp_solver
 from fmus.controllers.mpc_allocator import programs, tracking_qp
 from fmus.controllers.mpc_allocator.horizon import NODES
 from fmus.controllers.mpc_allocator.interface import INTERFACE
-from fmus.controllers.mpc_allocator.linearise import N_U, N_X
+from fmus.controllers.mpc_allocator.linearise import N_U, N_X, predicted
 
 Array = np.ndarray
 _START = {variable.name: float(variable.start) for variable in INTERFACE.select("parameter")}
@@ -24,7 +24,7 @@ _FREE = 1e6
 
 
 class Data(NamedTuple):
-    """The arguments of `Pattern.numbers`, in order."""
+    """The arguments of the program, in order."""
 
     Phi: Array
     Gamma: Array
@@ -41,7 +41,7 @@ class Data(NamedTuple):
 
 
 def _weights(corridor: float) -> Array:
-    values = [_START[name] for name in programs._WEIGHTS]
+    values = [_START[name] for name in programs.WEIGHTS]
     return np.array([*values[:-2], corridor, values[-1]])
 
 
@@ -51,14 +51,14 @@ def _box(size: Array) -> Array:
 
 def _data(seed: int, limit: Array, corridor: float = 1000.0, steady: float = 1.0) -> Data:
     """A program about a car at 20 m/s that winds a little, with random errors and steady states."""
-    draw, prediction = np.random.default_rng(seed), programs.prediction()
+    draw = np.random.default_rng(seed)
     p = [_START[name] for name in INTERFACE.names("parameter")]
     Phi, Gamma, u_r = [], [], []
     for k in range(NODES):
         kappa = 0.01 * np.sin(0.3 * k + seed)
         node = np.array([0.4 * k, 0, 0, 20, 0.5, kappa, -0.5 * kappa, 20 * kappa, 3 * kappa])
         after = np.add(node, [0.4, 0, 0.4 * kappa, 0.01, 0, 0, 0, 0, 0])
-        found = prediction(p, node, after, np.zeros(6))
+        found = predicted(p, node, after, np.zeros(6))
         Phi.append(found[0].full())
         Gamma.append(found[1].full())
         u_r.append(found[3].full())
@@ -84,23 +84,26 @@ def _data(seed: int, limit: Array, corridor: float = 1000.0, steady: float = 1.0
 
 def _numbers(data: Data) -> tuple[Array, Array, Array, Array, Array]:
     """P, q, A, l, u in full."""
-    pattern = programs.program()
-    P_nz, q, A_nz, low, high = (part.full().ravel() for part in pattern.numbers(*_sparse(data)))
-    upper = ca.DM(pattern.P, P_nz).full()
-    return upper + upper.T - np.diag(np.diag(upper)), q, ca.DM(pattern.A, A_nz).full(), low, high
+    upper, q, A, low, high = (part.full() for part in programs.program()(*_sparse(data)))
+    return upper + upper.T - np.diag(np.diag(upper)), q.ravel(), A, low.ravel(), high.ravel()
+
+
+def _nonzeros(data: Data) -> tuple[ca.DM, ...]:
+    """P, q, A, l, u as a solver takes them."""
+    P, q, A, low, high = programs.program()(*_sparse(data))
+    return P.nz[:], q, A.nz[:], low, high
 
 
 def _sparse(data: Data) -> list[Array | ca.DM]:
     """The matrices on their patterns."""
-    pattern = programs.program().numbers
+    pattern = programs.program().function
     return [ca.project(ca.DM(data[i]), pattern.sparsity_in(i)) for i in range(2)] + list(data[2:])
 
 
 def _solve(data: Data, solver: ca.Function) -> tuple[Array, int]:
     """The inputs w (3 x NODES) and the status."""
-    numbers = programs.program().numbers(*_sparse(data))
     start = [np.zeros(tracking_qp.SIZE), np.zeros(tracking_qp.ROWS), 0, 0]
-    found = solver(*numbers, *start)
+    found = solver(*_nonzeros(data), *start)
     nothing = ca.DM.zeros(N_U, NODES)
     w = tracking_qp.inputs(ca.MX(found[0]), ca.MX(nothing))
     return ca.evalf(w).full(), int(found[3])
@@ -109,7 +112,8 @@ def _solve(data: Data, solver: ca.Function) -> tuple[Array, int]:
 @cache
 def _exact() -> ca.Function:
     settings = QpSettings(absolute=1e-9, relative=1e-9, iterations=20000, check=20, adapt=40)
-    return qp_solver("tracking_exact", programs.program().P, programs.program().A, settings).function
+    pattern = programs.program().function.sparsity_out
+    return qp_solver("tracking_exact", pattern(0), pattern(2), settings).function
 
 
 _TIGHT, _WIDE = np.array([0.03, 1500.0, 1500.0]), np.array([_FREE] * 3)
@@ -182,7 +186,7 @@ def test_more_corridor_weight_means_less_excess() -> None:
     data = _data(7, _TIGHT, steady=0.0)._replace(e=np.array([0, 0.4, 0, 0, 0, 0, 0]))
     excess = []
     for weight in (0.0, 1e3, 1e5):
-        numbers = programs.program().numbers(*_sparse(data._replace(weights=_weights(weight))))
+        numbers = _nonzeros(data._replace(weights=_weights(weight)))
         found = _exact()(*numbers, np.zeros(tracking_qp.SIZE), np.zeros(tracking_qp.ROWS), 0, 0)
         e_n = found[0].full().reshape(NODES, -1)[:, N_U + 1] * float(tracking_qp.UNIT_E[1])
         excess.append(np.sum(np.maximum(np.abs(e_n) - _START["corridor.half_width"], 0.0) ** 2))

@@ -128,7 +128,7 @@ def test_leads_are_the_delays_of_the_low_level_controller_as_it_starts() -> None
         leads.steering: 3 / theirs["filter.steering"] + theirs["steering.filter_time"] + sampling,
     }
     for lead, value in expected.items():
-        assert float(ca.DM(lead(lambda name: ca.SX(ours[name])))) == pytest.approx(value)
+        assert float(ca.DM(lead({name: ca.SX(start) for name, start in ours.items()}))) == pytest.approx(value)
 
 
 def test_standing_still_gives_finite_commands() -> None:

@@ -6,7 +6,9 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from fmus.estimator.correction import antenna, correct, joseph, update
+from fmukit.kernel import block
+from fmus.estimator import navigation
+from fmus.estimator.correction import LEVER, antenna, correct, joseph, update
 from fmus.estimator.navigation import PACKED, STATE, noise, propagate, transition
 
 N = STATE.size
@@ -63,28 +65,26 @@ def densities(A):
     return Qc + np.diag([0, PROCESS[1], 0, 0, 0, 0, PROCESS[3], PROCESS[3], *2 * [2 * PROCESS[4] * PROCESS[5]]])
 
 
-def numeric(function, *sizes):
-    symbols = [ca.SX.sym(f"a{i}", size) for i, size in enumerate(sizes)]
-    return ca.Function("f", symbols, [function(*symbols)])
+MOTION = {"z": N, "reading": navigation.READING, "T": 1, "process": navigation.PROCESS}
 
 
 def test_mean_solves_the_navigation_equation():
     exact = solve_ivp(lambda t, z: rate(z), (0, 0.02), MEAN, rtol=1e-12, atol=1e-12).y[:, -1]
-    step = numeric(transition, N, 3, 1, 6)
+    step = block(**MOTION)(transition).function
     assert np.allclose(step(MEAN, READING, 0.02, PROCESS).full().ravel(), exact, rtol=0, atol=1e-10)
 
 
 def test_process_noise_is_the_van_loan_integral():
     A, T = jacobian(MEAN), 0.005
     _, exact = van_loan(A, densities(A), T)
-    got = numeric(noise, N, 3, 1, 6)(MEAN, READING, T, PROCESS).full()
+    got = block(**MOTION)(noise)(MEAN, READING, T, PROCESS).full()
     scale = np.sqrt(np.outer(np.diag(exact), np.diag(exact)))
     scale[scale == 0] = 1.0
     assert np.max(np.abs(got - exact) / scale) < 1e-3
 
 
 def test_propagation_composes_and_zero_time_is_the_identity():
-    step, belief = propagate(), np.concatenate([MEAN, packed(some_covariance())])
+    step, belief = propagate, np.concatenate([MEAN, packed(some_covariance())])
     assert np.array_equal(step(belief, READING, 0.0, PROCESS).full().ravel(), belief)
     quiet = PROCESS * [0, 0, 0, 0, 0, 1]
     for process in (quiet, PROCESS):
@@ -96,13 +96,13 @@ def test_propagation_composes_and_zero_time_is_the_identity():
 
 
 def test_covariance_follows_the_linearised_ensemble():
-    rng, step, T = np.random.default_rng(2), numeric(transition, N, 3, 1, 6), 0.005
+    rng, step, T = np.random.default_rng(2), block(**MOTION)(transition).function, 0.005
     P = some_covariance(scale=1e-4)
     P *= 1e-8 / np.max(np.diag(P))
     cloud = rng.multivariate_normal(MEAN, P, size=4000)
     moved = step.map(4000)(cloud.T, np.tile(READING[:, None], 4000), T, PROCESS[:, None]).full()
     _, later = split(
-        propagate()(np.concatenate([MEAN, packed(P)]), READING, T, 1e-30 * PROCESS + [0, 0, 0, 0, 0, 1 / 60])
+        propagate(np.concatenate([MEAN, packed(P)]), READING, T, 1e-30 * PROCESS + [0, 0, 0, 0, 0, 1 / 60])
     )
     spread = np.sqrt(np.outer(np.diag(later), np.diag(later)))
     assert np.max(np.abs(np.cov(moved) - later) / spread) < 0.08
@@ -111,7 +111,7 @@ def test_covariance_follows_the_linearised_ensemble():
 def test_predicted_antenna_velocity_is_the_derivative_of_its_position():
     arm, h = np.array([0.8, -0.6]), 1e-5
     lever = np.concatenate([arm, READING[0] * np.array([-arm[1], arm[0]])])
-    predict, step = numeric(antenna, N, 4), numeric(transition, N, 3, 1, 6)
+    predict, step = block(z=N, lever=LEVER)(antenna).function, block(**MOTION)(transition).function
     ahead, behind = (predict(step(MEAN, READING, s * h, PROCESS), lever).full().ravel() for s in (1, -1))
     now = predict(MEAN, lever).full().ravel()
     assert np.allclose((ahead - behind)[:2] / (2 * h), now[2:], atol=1e-6)
@@ -153,15 +153,15 @@ def test_full_gain_is_the_textbook_update():
 def test_each_stage_corrects_its_own_states_only_and_a_refused_fix_changes_nothing():
     belief, lever = np.concatenate([MEAN, packed(some_covariance())]), np.array([0.3, -0.2, 0.05, 0.1])
     far, trust = np.array([1e3, 1e3, 40.0, 40.0, 0.72]), np.array([4e-4, 9e-4, 1e-5, 25.0, 36.0, 10.0])
-    after, nis, accepted = correct()(belief, far, lever, trust, 0, np.zeros(PACKED))
+    after, nis, accepted = correct(belief, far, lever, trust, 0, np.zeros(PACKED))
     mean, _ = split(after)
     assert accepted.full().ravel().tolist() == [1, 0]
     assert nis[1] > 36
     assert np.array_equal(mean[2:8], MEAN[2:8])
     assert mean[0] != MEAN[0]
-    untouched, *_ = correct()(belief, far + np.array([0, 0, 0, 0, 3]), lever, trust, 0, np.zeros(PACKED))
+    untouched, *_ = correct(belief, far + np.array([0, 0, 0, 0, 3]), lever, trust, 0, np.zeros(PACKED))
     assert np.allclose(untouched.full().ravel(), belief, rtol=1e-14, atol=1e-14)
-    doubted, _, accepted = correct()(belief, far, lever, trust, 1, packed(1e6 * np.diag([1, *7 * [1], 0, 0])))
+    doubted, _, accepted = correct(belief, far, lever, trust, 1, packed(1e6 * np.diag([1, *7 * [1], 0, 0])))
     assert accepted.full().ravel().tolist() == [1, 1]
     assert abs(split(doubted)[0][2] - 1e3) < 1.0
 
@@ -176,7 +176,7 @@ def test_stage_2_equals_batch_least_squares_on_a_linear_case():
     m0 = np.array([0.6, 0, *rng.normal(size=4), 0.02, -0.03, 0, 0])
     trust = np.concatenate([[0.04, 0.09, 1e-4], OPEN_GATES])
     belief = ca.DM(np.concatenate([m0, packed(P0)]))
-    step, fixing = propagate(), correct()
+    step, fixing = propagate, correct
     for reading, fix in zip(readings, fixes, strict=True):
         belief = step(belief, reading, T, process)
         belief, _, _ = fixing(belief, np.append(fix, 0.6), np.zeros(4), trust, 0, np.zeros(PACKED))

@@ -6,7 +6,8 @@ import pytest
 from navigation_truth import TYRE, T, navigate, navigate_at, run, suspension, truth
 
 from fmukit.direct import Direct
-from fmus.estimator.navigation import BELIEF, unpack
+from fmukit.kernel import block
+from fmus.estimator.navigation import BELIEF, PACKED, full
 from fmus.estimator.profiles import profile
 
 SEEDS = 20
@@ -187,13 +188,12 @@ def test_covariance_stays_positive_definite(chain):
         estimator.set({"gps.position.x": signals["truth.position.x"][k - k % 20], "gps.velocity.x": 25.0})
         estimator.sample()
         if k % 50 == 7:
-            P = np.array(full_covariance()(estimator.x[: BELIEF.size]))
+            P = np.array(full_covariance()(BELIEF.split(ca.DM(estimator.x[: BELIEF.size]))["covariance"]))
             assert np.min(np.linalg.eigvalsh(P)) > 0
 
 
 def full_covariance():
-    belief = BELIEF.symbol("b")
-    return ca.Function("P", [belief], [unpack(belief)[1]])
+    return block(packed=PACKED)(full).function
 
 
 def test_another_sampling_period_gives_the_same_picture(chain):

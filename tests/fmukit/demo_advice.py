@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import casadi as ca
-
 from fmukit.component import Component
 from fmukit.interface import Advice, output, parameter, sampled
-from fmukit.kernel import Kernel, Layout, sampled_kernel, symbols
+from fmukit.kernel import Kernel, Parts, Signals, sampled_kernel
 
 INTERFACE = sampled(
     "DemoAdvice",
@@ -23,14 +21,8 @@ COMPONENT = Component(INTERFACE, "demo_advice")
 
 
 def kernel() -> Kernel:
-    p = symbols(INTERFACE, "parameter")
-    none = [ca.SX.sym(name, 0) for name in ("u", "w", "table", "x", "d")]
-    u, w, table, x, d = none
-    y = p["threshold"] < p["limit.low"]
-    return sampled_kernel(
-        INTERFACE,
-        states=Layout(),
-        derived=Layout(),
-        initialise=ca.Function("initialise", [p.column, u, w, table, ca.SX.sym("rows")], [d, x, y]),
-        step=ca.Function("step", [p.column, d, u, x, w, ca.SX.sym("t")], [x, y]),
-    )
+    return sampled_kernel(INTERFACE, initialise=lambda p: ({}, {}, low(p)), sample=lambda p: ({}, low(p)))
+
+
+def low(p: Signals) -> Parts:
+    return {"low": p["threshold"] < p["limit.low"]}

@@ -6,7 +6,7 @@ import casadi as ca
 
 from fmukit.component import Component
 from fmukit.interface import CsvTable, input_, output, parameter, sampled
-from fmukit.kernel import Kernel, Layout, sampled_kernel, stack, symbols
+from fmukit.kernel import Kernel, Layout, Parts, Signals, sampled_kernel
 
 ROWS = 6
 INTERFACE = sampled(
@@ -32,38 +32,34 @@ COMPONENT = Component(INTERFACE, "demo_filter")
 
 def kernel() -> Kernel:
     states, derived = Layout(z=1, n=1), Layout(table=2 * ROWS, rows=1)
-    p, u = symbols(INTERFACE, "parameter"), symbols(INTERFACE, "input")
-    x, d, w, t = states.symbol(), derived.symbol("d"), ca.SX.sym("w", 3), ca.SX.sym("t")
-    table, rows = ca.SX.sym("table", 2, ROWS), ca.SX.sym("rows")
+    return sampled_kernel(INTERFACE, states=states, derived=derived, initialise=initialise, sample=sample)
 
-    def level(table: ca.SX, rows: ca.SX, t: ca.SX) -> ca.SX:
-        """Piecewise linear, constant outside, 0 without a file."""
-        value = table[1, 0]
-        for k in range(ROWS - 1):
-            width = table[0, k + 1] - table[0, k]
-            share = ca.fmin(ca.fmax((t - table[0, k]) / (width + (width == 0)), 0), 1)
-            value = value + share * (table[1, k + 1] - table[1, k])
-        return ca.if_else(rows > 0, value, 0)
 
-    def y(**values: ca.SX) -> ca.SX:
-        return stack(INTERFACE.names("output"), values)
-
+def initialise(p: Signals, w: ca.SX, table: ca.SX, rows: ca.SX) -> tuple[Parts, Parts, Parts]:
     first = p["sigma"] * w[0]
+    y = {"filtered": first, "noise": first, "level": level(table, rows, ca.SX(0))}
+    return {"table": ca.vec(table), "rows": rows}, {"z": first}, y
+
+
+def sample(p: Signals, d: Parts, u: Signals, x: Parts, w: ca.SX, t: ca.SX) -> tuple[Parts, Parts]:
     noise = p["sigma"] * (w[0] + w[1] * w[2])
     decay = ca.exp(-p["sample_period"] / p["time_constant"])
-    z = decay * x[0] + (1 - decay) * (u["measured"] + noise)
-    quotient = 1 / ((u["measured"] - 77) * (u["measured"] - 1000 - x[1]))
-    flat = ca.reshape(d[: 2 * ROWS], 2, ROWS)
-    start = y(filtered=first, noise=first, level=level(table, rows, 0), quotient=ca.SX(0), count=ca.SX(0))
-    next_ = y(filtered=z, noise=noise, level=level(flat, d[2 * ROWS], t), quotient=quotient, count=x[1] + 1)
-    return sampled_kernel(
-        INTERFACE,
-        states=states,
-        derived=derived,
-        initialise=ca.Function(
-            "initialise",
-            [p.column, u.column, w, table, rows],
-            [ca.vertcat(ca.vec(table), rows), ca.vertcat(first, 0), start],
-        ),
-        step=ca.Function("step", [p.column, d, u.column, x, w, t], [ca.vertcat(z, x[1] + 1), next_]),
-    )
+    z = decay * x["z"] + (1 - decay) * (u["measured"] + noise)
+    y = {
+        "filtered": z,
+        "noise": noise,
+        "level": level(ca.reshape(d["table"], 2, ROWS), d["rows"], t),
+        "quotient": 1 / ((u["measured"] - 77) * (u["measured"] - 1000 - x["n"])),
+        "count": x["n"] + 1,
+    }
+    return {"z": z, "n": x["n"] + 1}, y
+
+
+def level(table: ca.SX, rows: ca.SX, t: ca.SX) -> ca.SX:
+    """Piecewise linear, constant outside, 0 without a file."""
+    value = table[1, 0]
+    for k in range(ROWS - 1):
+        width = table[0, k + 1] - table[0, k]
+        share = ca.fmin(ca.fmax((t - table[0, k]) / (width + (width == 0)), 0), 1)
+        value = value + share * (table[1, k + 1] - table[1, k])
+    return ca.if_else(rows > 0, value, 0)

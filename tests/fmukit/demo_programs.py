@@ -7,14 +7,17 @@ make the problems of a sample unusable.
 
 from __future__ import annotations
 
+from functools import partial
+
 import casadi as ca
 
 from fmukit.component import Component
 from fmukit.interface import input_, output, parameter, sampled
-from fmukit.kernel import Kernel, Layout, sampled_kernel, stack
+from fmukit.kernel import Kernel, Layout, Parts, Signals, sampled_kernel
 from fmukit.qp import QpSettings, QpSolver, qp_solver
 
 STEPS, STEP = 10, 0.1
+STATES = Layout(x_s=4, y_s=4, rho_s=1, x_p=3 * STEPS, y_p=3 * STEPS + 1, rho_p=1, z=2)
 _NAMES = [f"share[{i}]" for i in range(4)]
 INTERFACE = sampled(
     "DemoPrograms",
@@ -76,40 +79,26 @@ def solvers() -> tuple[QpSolver, QpSolver]:
 
 
 def kernel() -> Kernel:
-    spread, plan = solvers()
-    n_s, m_s, n_p, m_p = 4, 4, 3 * STEPS, 3 * STEPS + 1
-    states = Layout(x_s=n_s, y_s=m_s, rho_s=1, x_p=n_p, y_p=m_p, rho_p=1, z=2)
-    p, u = (ca.MX.sym(c, len(INTERFACE.names(k))) for c, k in (("p", "parameter"), ("u", "input")))
-    x, w, t = ca.MX.sym("x", states.size), ca.MX.sym("w", 0), ca.MX.sym("t")
-    own = states.split(x)
-    limit, timed = (p[INTERFACE.names("parameter").index(name)] for name in ("limit", "solver.timed"))
-    total, target, poison, crossed, far = (u[i] for i in range(5))
+    given = solvers()
+    own = {"initialise": lambda: ({}, {}, {}), "sample": partial(sample, given)}
+    return sampled_kernel(INTERFACE, states=STATES, symbol=ca.MX, solvers=given, **own)
 
+
+def sample(solvers: tuple[QpSolver, QpSolver], p: Signals, u: Signals, x: Parts) -> tuple[Parts, Parts]:
     def solve(solver: QpSolver, problem: tuple[ca.MX, ...], tag: str) -> tuple[ca.MX, ...]:
         P, q, A, low, high = problem
-        q = q * ca.sqrt(1 - 2 * poison)
-        low = low + 1e7 * crossed
-        start = (own[f"{name}_{tag}"] for name in ("x", "y", "rho"))
-        return solver.function(P.nz[:], q, A.nz[:], low, high, *start, timed)
+        q = q * ca.sqrt(1 - 2 * u["poison"])
+        low = low + 1e7 * u["crossed"]
+        start = (x[f"{name}_{tag}"] for name in ("x", "y", "rho"))
+        return solver.function(P.nz[:], q, A.nz[:], low, high, *start, p["solver.timed"])
 
-    one = solve(spread, spread_problem(total, limit), "s")
-    two = solve(plan, plan_problem(own["z"], target, limit, far), "p")
+    one = solve(solvers[0], spread_problem(u["sum"], p["limit"]), "s")
+    two = solve(solvers[1], plan_problem(x["z"], u["target"], p["limit"], u["impossible"]), "p")
     acceleration = ca.if_else(two[3] > 0, two[0][2 * STEPS], 0.0)
-    z = ca.vertcat(own["z"][0] + STEP * own["z"][1] + STEP**2 / 2 * acceleration, own["z"][1] + STEP * acceleration)
-    next_ = states.join(
-        {"x_s": one[0], "y_s": one[1], "rho_s": one[2], "x_p": two[0], "y_p": two[1], "rho_p": two[2], "z": z}
-    )
-    values = {name: one[0][i] for i, name in enumerate(_NAMES)} | {"position": z[0], "acceleration": acceleration}
+    position, speed = x["z"][0], x["z"][1]
+    z = ca.vertcat(position + STEP * speed + STEP**2 / 2 * acceleration, speed + STEP * acceleration)
+    after = {"x_s": one[0], "y_s": one[1], "rho_s": one[2], "x_p": two[0], "y_p": two[1], "rho_p": two[2], "z": z}
+    y = {name: one[0][i] for i, name in enumerate(_NAMES)} | {"position": z[0], "acceleration": acceleration}
     for qp, result in (("spread", one), ("plan", two)):
-        values |= {f"{qp}.status": result[3], f"{qp}.iterations": result[4], f"{qp}.rho": result[2]}
-    y = stack(INTERFACE.names("output"), values | {"plan.time": two[7]})
-    table, rows = ca.MX.sym("table", 0), ca.MX.sym("rows")
-    zeros = [ca.MX.zeros(0), ca.MX.zeros(states.size), ca.MX.zeros(len(INTERFACE.names("output")))]
-    return sampled_kernel(
-        INTERFACE,
-        states=states,
-        derived=Layout(),
-        initialise=ca.Function("initialise", [p, u, w, table, rows], zeros),
-        step=ca.Function("step", [p, ca.MX.sym("d", 0), u, x, w, t], [next_, y]),
-        solvers=(spread, plan),
-    )
+        y |= {f"{qp}.status": result[3], f"{qp}.iterations": result[4], f"{qp}.rho": result[2]}
+    return after, y | {"plan.time": two[7]}

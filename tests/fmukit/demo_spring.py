@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import casadi as ca
-
 from fmukit.component import Component
 from fmukit.interface import continuous, input_, output, parameter
-from fmukit.kernel import Kernel, Layout, continuous_kernel, stack, symbols
+from fmukit.kernel import Kernel, Layout, Parts, Signals, continuous_kernel
 
 INTERFACE = continuous(
     "DemoSpring",
@@ -30,32 +28,18 @@ COMPONENT = Component(INTERFACE, "demo_spring")
 
 def kernel() -> Kernel:
     states, derived = Layout(q=1, v=1), Layout(omega2=1)
-    p, u = symbols(INTERFACE, "parameter"), symbols(INTERFACE, "input")
-    x, d, h = states.symbol(), derived.symbol("d"), ca.SX.sym("h")
-    none = ca.SX.sym("none", 0)
+    equations = {"initialise": initialise, "derivative": derivative, "output": output}
+    return continuous_kernel(INTERFACE, states=states, derived=derived, **equations)
 
-    omega2 = p["spring.enabled"] * p["stiffness"] / p["mass"]
-    x0 = ca.vertcat(p["initial.position"], 0.0)
 
-    def rate(x: ca.SX) -> ca.SX:
-        return ca.vertcat(x[1], (u["force"] + u["wind"]) / p["mass"] - d * x[0])
+def initialise(p: Signals) -> tuple[Parts, Parts]:
+    return {"omega2": p["spring.enabled"] * p["stiffness"] / p["mass"]}, {"q": p["initial.position"]}
 
-    k1 = rate(x)
-    k2 = rate(x + h / 2 * k1)
-    k3 = rate(x + h / 2 * k2)
-    k4 = rate(x + h * k3)
 
-    def y(x: ca.SX, omega2: ca.SX) -> ca.SX:
-        energy = p["mass"] * (x[1] ** 2 + omega2 * x[0] ** 2) / 2
-        return stack(INTERFACE.names("output"), {"position": x[0], "speed": x[1], "energy": energy})
+def derivative(p: Signals, d: Parts, u: Signals, x: Parts) -> Parts:
+    return {"q": x["v"], "v": (u["force"] + u["wind"]) / p["mass"] - d["omega2"] * x["q"]}
 
-    return continuous_kernel(
-        INTERFACE,
-        states=states,
-        derived=derived,
-        initialise=ca.Function(
-            "initialise", [p.column, u.column, none, none, ca.SX.sym("rows")], [omega2, x0, y(x0, omega2)]
-        ),
-        step=ca.Function("step", [p.column, d, u.column, x, h], [x + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)]),
-        output=ca.Function("output", [p.column, d, u.column, x], [y(x, d)]),
-    )
+
+def output(p: Signals, d: Parts, x: Parts) -> Parts:
+    energy = p["mass"] * (x["v"] ** 2 + d["omega2"] * x["q"] ** 2) / 2
+    return {"position": x["q"], "speed": x["v"], "energy": energy}

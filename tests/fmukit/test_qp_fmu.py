@@ -22,7 +22,7 @@ from fmukit.compiling import compiler
 from fmukit.conformance.pytest_helper import assert_conformant
 from fmukit.direct import Direct
 from fmukit.interface import Interface
-from fmukit.kernel import Layout, sampled_kernel
+from fmukit.kernel import sampled_kernel
 from fmukit.packaging.builder import build, library
 from fmukit.packaging.codegen import generate
 from fmukit.qp import QpSettings, codegen
@@ -175,16 +175,16 @@ def _patterns() -> tuple[ca.Sparsity, ca.Sparsity]:
 
 def test_a_solver_that_is_called_must_be_given() -> None:
     interface = Interface("Lone", "no solver given", "sampled", 1.0, demo_programs.INTERFACE.variables)
-    kernel = demo_programs.kernel()
+    given = demo_programs.solvers()
     assembled = partial(
         sampled_kernel,
         interface,
-        states=Layout(all=kernel.step.numel_out(0)),
-        derived=Layout(),
-        initialise=kernel.initialise,
-        step=kernel.step,
+        states=demo_programs.STATES,
+        initialise=lambda: ({}, {}, {}),
+        sample=partial(demo_programs.sample, given),
+        symbol=ca.MX,
     )
     with pytest.raises(ValueError, match=r"Lone: solvers given twice \[], called but not given \['qp_plan'\]"):
-        assembled(solvers=kernel.solvers[:1])
+        assembled(solvers=given[:1])
     with pytest.raises(ValueError, match=r"given twice \['qp_spread'\]"):
-        assembled(solvers=[*kernel.solvers, kernel.solvers[0]])
+        assembled(solvers=[*given, given[0]])

@@ -9,6 +9,7 @@ import pytest
 from scipy.signal import lsim
 
 from fmus.controllers.constraint_follower import constraints
+from tests.references import joint_rows
 
 Place = tuple[float, float]
 
@@ -175,10 +176,10 @@ def test_a_push_stays_with_the_link_of_the_pushed_car(across: bool, most: Place)
 def _points(isolate: bool) -> tuple[np.ndarray, np.ndarray]:
     """Four free points in a chain, the last one pushed: what each leaves its course by, and links are wrong by [m]."""
     edges, n = ((1, 0), (2, 1), (3, 2)), 4
-    q, dq, C = ca.SX.sym("q", 3 * n), ca.SX.sym("dq", 3 * n), constraints.formation(((1, 0), (2, 1), (3, 2)), n)
+    q, dq, C = ca.SX.sym("q", 3 * n), ca.SX.sym("dq", 3 * n), joint_rows.formation(((1, 0), (2, 1), (3, 2)), n)
     r, still = np.tile([-10.0, 0.0], 3), np.zeros(6)
     value, W, rate, gamma = C(q, dq, r, still, still, [])
-    G = (constraints.isolated(W, edges) if isolate else W)[:, [c for c in range(3 * n) if c % 3 < 2]]
+    G = (joint_rows.isolated(W, edges) if isolate else W)[:, [c for c in range(3 * n) if c % 3 < 2]]
     found = constraints.multipliers(G, gamma + 2.0 * rate + value)
     law = ca.Function("law", [q, dq], [-G.T @ found.value, value])
     at = np.array([[-10.0 * k, 0.0, 0.0] for k in range(n)]).ravel()

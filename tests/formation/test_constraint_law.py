@@ -184,14 +184,16 @@ def test_the_headway_filter_is_exact_at_any_period(period: float, w: float) -> N
     """A speed that grows by 0.7 m/s2 in one period, against scipy's integration of the double pole."""
     headway, v, dv, before = 0.8, 20.0, 0.7, np.array([15.0, 1.5])
     p = {name: ca.SX(value) for name, value in (("headway", headway), ("headway.filter", w), ("sample_period", period))}
-    after = np.array(ca.DM(ca.evalf(places.pulled_back(p, ca.SX(before), ca.SX(v), ca.SX(dv))))).ravel()
+    state = {"back": ca.SX(before[0]), "rate": ca.SX(before[1])}
+    later = places.pulled_back(p, state, ca.SX(v), ca.SX(dv))
+    after = np.array([float(ca.evalf(later[name])) for name in state])
 
     def rates(t: float, d: np.ndarray) -> list[float]:
         return [d[1], w**2 * (headway * (v + dv * t) - d[0]) - 2 * w * d[1]]
 
     paper = solve_ivp(rates, (0.0, period), before, rtol=1e-10, atol=1e-12).y[:, -1]
     assert after == pytest.approx(paper, rel=1e-7)
-    held, yielding = (float(ca.evalf(part)) for part in places.acceleration(p, ca.SX(before), ca.SX(v)))
+    held, yielding = (float(ca.evalf(part)) for part in places.acceleration(p, state, ca.SX(v)))
     assert held + yielding * dv == pytest.approx((paper[1] - before[1]) / period, rel=1e-6)
 
 

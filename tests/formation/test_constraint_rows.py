@@ -8,6 +8,7 @@ import pytest
 from scipy.linalg import cho_factor, cho_solve
 
 from fmus.controllers.constraint_follower import constraints, law
+from tests.references import joint_rows
 
 STEP = 1e-5
 CHAIN = ((1, 0), (2, 1), (3, 2))
@@ -15,7 +16,7 @@ SIZES = {"joint": (12, 6, 0), "follower": (3, 8, 1)}
 
 
 def _rows(kind: str) -> ca.Function:
-    return constraints.formation(CHAIN, 4) if kind == "joint" else law.follower_rows()
+    return joint_rows.formation(CHAIN, 4) if kind == "joint" else law.follower_rows()
 
 
 class Motion:
@@ -71,7 +72,7 @@ def test_rows_of_a_follower_are_a_block_of_the_joint_rows() -> None:
     yaw, turn = lead[2], lead_rate[2]
     e, across = np.array([np.cos(yaw), np.sin(yaw)]), np.array([-np.sin(yaw), np.cos(yaw)])
     hand, hand_rate = lead[:2] + a * e, lead_rate[:2] + a * turn * across
-    joint = constraints.formation(((1, 0),), 2)
+    joint = joint_rows.formation(((1, 0),), 2)
     q, dq = np.concatenate([hand, [yaw], own]), np.concatenate([hand_rate, [turn], own_rate])
     value, W, rate, gamma = (np.array(part) for part in joint(q, dq, r, [0, 0], [0, 0], []))
     hand_acceleration = -a * turn**2 * e
@@ -83,7 +84,7 @@ def test_rows_of_a_follower_are_a_block_of_the_joint_rows() -> None:
     assert W[:, 3:] == pytest.approx(W_own, abs=1e-12)
     driven = W[:, :3] @ np.concatenate([hand_acceleration, [0.0]])[:, None]
     assert gamma + driven == pytest.approx(gamma_own, abs=1e-12)
-    kept = np.array(ca.DM(ca.evalf(constraints.isolated(ca.SX(W), ((1, 0),)))))
+    kept = np.array(ca.DM(ca.evalf(joint_rows.isolated(ca.SX(W), ((1, 0),)))))
     assert kept[:, :3].tolist() == [nothing.tolist()] * 2
     assert kept[:, 3:].tolist() == W[:, 3:].tolist()
 

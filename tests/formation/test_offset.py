@@ -7,25 +7,23 @@ import numpy as np
 import pytest
 from scipy.interpolate import BPoly
 
+from fmukit.kernel import Parts, block
 from fmus.controllers.formation import offset
 
 T, DURATION = 0.02, 6.0
 
 
-def _step() -> ca.Function:
-    state, target, duration = ca.SX.sym("x", offset.STATES.size), ca.SX.sym("target", 2), ca.SX.sym("duration")
+@block(state=offset.STATES, target=2, duration=1)
+def step(state: Parts, target: ca.SX, duration: ca.SX) -> tuple[Parts, ca.SX]:
     later = offset.advance(state, target, T, duration)
-    return ca.Function("advance", [state, target, duration], [later, ca.horzcat(*offset.value(later))])
-
-
-STEP = _step()
+    return later, ca.horzcat(*offset.value(later))
 
 
 def _run(targets: list[tuple[float, float]], start: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
     """(steps, 2, 3): r, r', r'' after every step."""
-    state, rows = ca.evalf(offset.start(ca.SX(ca.DM(start)))), []
+    state, rows = offset.start(ca.DM(start)), []
     for target in targets:
-        state, seen = STEP(state, target, DURATION)
+        state, seen = step(state, target, DURATION)
         rows.append(np.array(seen))
     return np.array(rows)
 
@@ -83,10 +81,8 @@ def test_an_unchanged_target_is_rest() -> None:
 
 @pytest.mark.parametrize("way", [1.0, 24.0, 60.0, 1e5])
 def test_far_places_take_longer_so_that_speed_and_acceleration_stay_small(way: float) -> None:
-    state, target = ca.SX.sym("x", offset.STATES.size), ca.SX.sym("target", 2)
-    duration = ca.Function("duration", [state, target], [offset.unhurried(state, target, ca.SX(6.0), 10.0, 4.0)])
-    here = ca.evalf(offset.start(ca.SX.zeros(2)))
-    T_long = float(duration(here, [0.6 * way, 0.8 * way]))
+    here, there = offset.start(ca.DM.zeros(2)), ca.DM([0.6 * way, 0.8 * way])
+    T_long = float(offset.unhurried(here, there, 6.0, 10.0, 4.0))
     t = np.linspace(0.0, T_long, 20001)
     quintic = BPoly.from_derivatives([0.0, T_long], [[0.0, 0.0, 0.0], [way, 0.0, 0.0]])
     speed, acceleration = (np.abs(quintic(t, nu=order)).max() for order in (1, 2))

@@ -1,1 +1,1 @@
-"""Independent forms of the equations, and peers that only tests compare with."""
+"""Independent forms of the equations, and what else several tests share."""

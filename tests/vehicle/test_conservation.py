@@ -11,8 +11,8 @@ from vehicle_contact import coordinates, joint_order, named, road_contact, tyre_
 from vehicle_oracle import car_model, pin_equations
 
 from fmus.cars.wheels import WHEELS
+from fmus.vehicle16dof import COMPONENT
 from fmus.vehicle16dof.interface import INTERFACE
-from fmus.vehicle16dof.model import derivative_function
 from fmus.vehicle16dof.states import CORNERS
 
 pin = pytest.importorskip("pinocchio")
@@ -26,6 +26,7 @@ LOSSLESS = {
     "steering.stop_stiffness": 0.0,
 }
 HEIGHT = 100.0
+DERIVATIVE = COMPONENT.kernel().derivative
 
 
 def model_of(car: Car) -> pin.Model:
@@ -110,7 +111,7 @@ def disturb(car: Car, rng: np.random.Generator) -> None:
 
 def accelerations(car: Car) -> np.ndarray:
     """u' of the plant."""
-    rate = derivative_function()(car.p, car.d, car.u, car.x).full().ravel()
+    rate = DERIVATIVE(car.p, car.d, car.u, car.x).full().ravel()
     s = {name: rate[where] for name, where in SLICES.items()}
     return np.concatenate(
         [s["velocity"], s["angular_rate"], joint_order(s["travel_rate"], s["steer_rate"], s["wheel_speed"])]

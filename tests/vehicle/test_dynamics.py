@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from vehicle_oracle import car_model, inertia, pin_equations, rotation, start_model
 
-from fmukit.kernel import symbols
-from fmus.vehicle16dof import appell, tree
+from fmukit.kernel import Signals, block, slots
 from fmus.vehicle16dof.dynamics import Leg, accelerations
 from fmus.vehicle16dof.interface import INTERFACE
+from fmus.vehicle16dof.masses import masses
 from fmus.vehicle16dof.states import CORNERS, wheel_place
+from tests.references import appell, tree
 
 pin = pytest.importorskip("pinocchio")
 SAMPLES = 1000
@@ -92,9 +93,12 @@ def random_parameters(rng: np.random.Generator) -> np.ndarray:
 @pytest.fixture(scope="module")
 def car_equations() -> ca.Function:
     """(p, q, u, Q, g) -> M, h of the reference, and u' of the eliminated solve."""
-    p = symbols(INTERFACE, "parameter")
-    d = tree.derived(p)
-    q, u, Q, g = ca.SX.sym("q", 10), ca.SX.sym("u", 16), ca.SX.sym("Q", 16), ca.SX.sym("g", 3)
+    return _car_equations.function
+
+
+@block(p=slots(INTERFACE, "parameter"), q=10, u=16, Q=16, g=3)
+def _car_equations(p: Signals, q: ca.SX, u: ca.SX, Q: ca.SX, g: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
+    d = masses(p)
     M, h = appell.mass_and_bias(tree.joints(p), tree.bodies(p, d), q, u, g)
     legs, first = [], 0
     for corner in CORNERS:
@@ -121,7 +125,7 @@ def car_equations() -> ca.Function:
     front = [ca.vertcat(a.travel[i], a.steer[i], a.spin[i]) for i in (0, 1)]
     rear = [ca.vertcat(a.travel[i], a.spin[i]) for i in (2, 3)]
     rate = ca.vertcat(a.specific_force + g - ca.cross(u[3:6], u[:3]), a.angular, *front, *rear)
-    return ca.Function("car_equations", [p.column, q, u, Q, g], [M, h, rate])
+    return M, h, rate
 
 
 def test_car_equals_pinocchio_and_the_eliminated_solve_equals_both(car_equations: ca.Function) -> None:

@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from fmukit.kernel import symbols
+from fmukit.kernel import Signals, block, slots
 from fmus.vehicle16dof import magic, tyre
 from fmus.vehicle16dof.contact import Contact
 from fmus.vehicle16dof.interface import INTERFACE
@@ -19,8 +19,11 @@ DATA = {v.name.removeprefix("tyre."): float(v.start) for v in INTERFACE.select("
 
 @pytest.fixture(scope="module")
 def combined() -> ca.Function:
-    p, arguments = symbols(INTERFACE, "parameter"), [ca.SX.sym(name) for name in ("F_z", "road", "kappa", "tangent")]
-    return ca.Function("combined", [p.column, *arguments], tyre.combined(tyre.TyreData(p), *arguments))
+    @block(p=slots(INTERFACE, "parameter"), F_z=1, road=1, kappa=1, tangent=1)
+    def combined(p: Signals, **arguments: ca.SX) -> tuple[ca.SX, ca.SX]:
+        return tyre.combined(tyre.TyreData(p), **arguments)
+
+    return combined.function
 
 
 @pytest.mark.parametrize(
@@ -63,9 +66,12 @@ def test_no_force_and_no_nan_without_load(combined: ca.Function) -> None:
 
 @pytest.fixture(scope="module")
 def slip_rates() -> ca.Function:
-    p, s = symbols(INTERFACE, "parameter"), [ca.SX.sym(n) for n in ("V_x", "V_y", "spin", "kappa", "tangent")]
-    touch = Contact(ca.SX(3, 1), ca.SX(3, 1), ca.SX(3, 1), ca.SX(4000.0), s[0], s[1], ca.SX(0.3))
-    return ca.Function("rates", [p.column, *s], tyre.slip_rates(tyre.TyreData(p), touch, s[2], (s[3], s[4])))
+    @block(p=slots(INTERFACE, "parameter"), V_x=1, V_y=1, spin=1, kappa=1, tangent=1)
+    def rates(p: Signals, V_x: ca.SX, V_y: ca.SX, spin: ca.SX, kappa: ca.SX, tangent: ca.SX) -> tuple[ca.SX, ca.SX]:
+        touch = Contact(ca.SX(3, 1), ca.SX(3, 1), ca.SX(3, 1), ca.SX(4000.0), V_x, V_y, ca.SX(0.3))
+        return tyre.slip_rates(tyre.TyreData(p), touch, spin, (kappa, tangent))
+
+    return rates.function
 
 
 def test_relaxation_settles_at_the_kinematic_slips_over_the_relaxation_lengths(slip_rates: ca.Function) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from fmukit.kernel import Layout, Signals
+from fmukit.kernel import Layout, Parts, Signals, choose
 
 STATES = Layout(
     heard=1,  # 1 once the head was heard, else 0
@@ -16,24 +16,18 @@ STATES = Layout(
 )
 
 
-def follow(p: Signals, u: Signals, state: ca.SX) -> ca.SX:
+def follow(p: Signals, u: Signals, before: Parts) -> Parts:
     """The next state; with `feedforward.enabled` off nothing is ever heard."""
-    before = STATES.split(state)
     heard = ca.logic_and(p["feedforward.enabled"], u["feedforward.valid"] > 0.5)
-    return STATES.join(
-        {
-            "heard": ca.if_else(heard, 1, before["heard"]),
-            "speed": ca.if_else(heard, u["feedforward.speed"], before["speed"]),
-        }
-    )
+    return choose(heard, {"heard": 1, "speed": u["feedforward.speed"]}, before)
 
 
-def known(state: ca.SX) -> ca.SX:
+def known(state: Parts) -> ca.SX:
     """Velocity of the leader in its body axes as told [m/s] (2), 0 before anything was."""
-    return ca.vertcat(STATES.split(state)["speed"], 0)
+    speed: ca.SX = state["speed"]
+    return ca.vertcat(speed, 0)
 
 
-def just_told(before: ca.SX, after: ca.SX) -> ca.SX:
+def just_told(before: Parts, after: Parts) -> ca.SX:
     """`known` at the sample at which the head is heard for the first time, else 0 [m/s] (2)."""
-    first = STATES.split(after)["heard"] - STATES.split(before)["heard"]
-    return first * known(after)
+    return (after["heard"] - before["heard"]) * known(after)

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import casadi as ca
 
 from fmukit.kernel import Signals
+from fmus.cars.rotation import rotation_plane
 from fmus.controllers.formation import hand
 
 _ERROR, _SPEED = 5.0, 30.0  # m, m/s; what the network's inputs are relative to
@@ -37,14 +38,14 @@ def wanted_point(leader: Leader, r: ca.SX, nu: ca.SX) -> ca.SX:
     The direction of nu is that in the middle of the time since then.
     """
     midway = leader.yaw + 0.5 * leader.age * leader.turning
-    return leader.position + hand.rotation(leader.yaw) @ r + leader.age * hand.rotation(midway) @ nu
+    return leader.position + rotation_plane(leader.yaw) @ r + leader.age * rotation_plane(midway) @ nu
 
 
 def error(p: Signals, u: Signals, p_d: ca.SX) -> ca.SX:
     """z = R(psi_i)' (p_i - p_d) [m] (2), p_i the hand point."""
     psi = u["estimate.yaw"]
     p_i = hand.point(u.vector("estimate.position", "xy"), psi, p["hand.distance"])
-    return hand.rotation(psi).T @ (p_i - p_d)
+    return rotation_plane(psi).T @ (p_i - p_d)
 
 
 def network_input(u: Signals, z: ca.SX, relative: ca.SX) -> ca.SX:

@@ -6,12 +6,11 @@ from typing import NamedTuple
 
 import casadi as ca
 
-from fmukit.kernel import Kernel, Layout, Signals, sampled_kernel, stack, symbols
+from fmukit.kernel import Kernel, Layout, Parts, Signals, choose, sampled_kernel
 from fmus.clip import clip
 from fmus.controllers.adaptive_follower import broadcast, law, network, situation, turning
 from fmus.controllers.adaptive_follower.interface import INTERFACE
-from fmus.controllers.formation import link, offset, realise, sample
-from fmus.controllers.formation.sample import Parts
+from fmus.controllers.formation import common, link, offset, realise
 
 _V, _W = (network.N1 + 1, network.N2), (network.N2 + 1, network.N3)
 STATES = Layout(
@@ -21,12 +20,11 @@ STATES = Layout(
     velocity=2,  # nu_hat at the last sample [m/s]
     speed=1,  # command.speed at the last sample [m/s]
     yaw_rate=1,  # command.yaw_rate at the last sample [rad/s]
-    offset=offset.STATES.size,  # the wanted place on its way to formation.x/y
-    link=link.STATES.size,  # how long the leader has been lost, and its last known speed
-    turning=turning.STATES.size,  # the leader's yaw rate from its messages
-    broadcast=broadcast.STATES.size,  # the speed told by the head of the formation
+    offset=offset.STATES,  # the wanted place on its way to formation.x/y
+    link=link.STATES,  # how long the leader has been lost, and its last known speed
+    turning=turning.STATES,  # the leader's yaw rate from its messages
+    broadcast=broadcast.STATES,  # the speed told by the head of the formation
 )
-DERIVED = Layout()
 _LEARNING = (
     *("adaptation.output", "adaptation.hidden", "leak.output", "leak.hidden", "leak.exponent"),
     "adaptation.fastest",
@@ -35,7 +33,7 @@ _LEARNING = (
 
 def kernel() -> Kernel:
     """The kernel; the states hold all weights."""
-    return sampled_kernel(INTERFACE, states=STATES, derived=DERIVED, initialise=_initialise(), step=_step())
+    return sampled_kernel(INTERFACE, states=STATES, initialise=initialise, sample=sample)
 
 
 class _Driven(NamedTuple):
@@ -46,67 +44,65 @@ class _Driven(NamedTuple):
     yaw_rate: realise.Realised
 
 
-def _initialise() -> ca.Function:
-    p, u = symbols(INTERFACE, "parameter"), symbols(INTERFACE, "input")
-    x = STATES.join(
-        {name: ca.SX.zeros(size) for name, size in STATES.sizes.items()}
-        | {"V": ca.vec(ca.SX(network.first_hidden_weights()))}
-    )
-    y = {name: ca.SX(0) for name in INTERFACE.names("output")} | {"gain_rule.broken": _rule_broken(p)}
-    arguments = [p.column, u.column, ca.SX.sym("w", 0), ca.SX.sym("table", 0), ca.SX.sym("rows")]
-    return ca.Function("initialise", arguments, [ca.SX.zeros(0), x, stack(INTERFACE.names("output"), y)])
+def initialise(p: Signals) -> tuple[Parts, Parts, Parts]:
+    """Hidden weights as drawn; nothing is commanded before the first sample, but a bad choice of gains is told."""
+    return {}, {"V": ca.vec(network.first_hidden_weights())}, {"gain_rule.broken": _rule_broken(p)}
 
 
-def _step() -> ca.Function:
-    p, u, x = symbols(INTERFACE, "parameter"), symbols(INTERFACE, "input"), STATES.symbol()
-    before = situation.told(p, u, _begun(p, u, STATES.split(x)))
+def sample(p: Signals, u: Signals, x: Parts) -> tuple[Parts, Parts]:
+    """What is known of the leader, the weights learnt from it, and the commands they lead to."""
+    before = situation.told(p, u, _begun(p, u, x))
     linked = link.supervise(p, u, before["link"], ca.fmax(situation.leader_speed(before), 0))
     before |= {"turning": turning.follow(p, u, before["turning"], linked.heard)}
     before |= {"offset": situation.led_back(p, u, before, linked)}
     seen = situation.seen(p, u, before)
     taught = before | _taught(p, u, before, seen, linked)
     driven = _drive(p, u, taught, seen, linked)
-    after = STATES.join(
-        {"started": ca.SX(1), "V": ca.vec(taught["V"]), "W": ca.vec(taught["W"]), "velocity": driven.nu}
-        | {"speed": driven.speed.value, "yaw_rate": driven.yaw_rate.value}
-        | {"offset": situation.shifted(p, u, before)}
-        | {"link": linked.state, "turning": before["turning"], "broadcast": taught["broadcast"]}
-    )
-    y = stack(INTERFACE.names("output"), _outputs(p, u, taught, seen, driven, linked))
-    arguments = [p.column, ca.SX.sym("d", 0), u.column, x, ca.SX.sym("w", 0), ca.SX.sym("t")]
-    return ca.Function("step", arguments, [after, y])
+    after = {
+        "started": ca.SX(1),
+        "V": ca.vec(taught["V"]),
+        "W": ca.vec(taught["W"]),
+        "velocity": driven.nu,
+        "speed": driven.speed.value,
+        "yaw_rate": driven.yaw_rate.value,
+        "offset": situation.shifted(p, u, before),
+        "link": linked.state,
+        "turning": before["turning"],
+        "broadcast": taught["broadcast"],
+    }
+    return after, _outputs(p, u, taught, seen, driven, linked)
 
 
 def _begun(p: Signals, u: Signals, state: Parts) -> Parts:
     """The state, at the first sample that of a follower that drives as it does, in its place; V and W as matrices."""
     own, most = u["estimate.velocity.x"], realise.yaw_rate_limit(p, u["estimate.velocity.x"])
     told = broadcast.follow(p, u, state["broadcast"])
-    bias = p["bias.own_speed"] * (1 - broadcast.STATES.split(told)["heard"]) * own
+    bias = p["bias.own_speed"] * (1 - told["heard"]) * own
     first = ca.vertcat(bias, ca.SX.zeros(network.N2), 0, ca.SX.zeros(network.N2))
     start = {
         "W": first,
         "velocity": ca.vertcat(bias, 0),
         "speed": ca.fmax(own, 0),
         "yaw_rate": clip(u["estimate.yaw_rate"], -most, most),
-        "offset": offset.start(sample.wanted_place(u)),
+        "offset": offset.start(common.wanted_place(u)),
         "link": link.start(ca.fmax(own, 0)),
         "broadcast": told,
     }
-    begun = sample.begun(state, start)
+    begun = common.begun(state, start)
     return begun | {"V": ca.reshape(state["V"], *_V), "W": ca.reshape(begun["W"], *_W)}
 
 
-def _taught(p: Signals, u: Signals, before: Parts, seen: situation.Seen, linked: link.Link) -> Parts:
+def _taught(p: Signals, u: Signals, before: Parts, seen: situation.LeaderSeen, linked: link.Link) -> Parts:
     """The weights after this sample; a limited channel and a leader not heard teach nothing."""
     tried = _drive(p, u, before, seen, linked)
     z = seen.z * (1 - p["freeze_limited"] * ca.vertcat(tried.speed.limited, tried.yaw_rate.limited))
     e = ca.if_else(p["leader_frame"], seen.R_rel.T @ z, z)
     learning = network.Learning(*(p[name] for name in _LEARNING))
     V, W = network.adapt(before["V"], before["W"], seen.xbar, e, learning, p["sample_period"])
-    return {"V": ca.if_else(linked.heard, V, before["V"]), "W": ca.if_else(linked.heard, W, before["W"])}
+    return choose(linked.heard, {"V": V, "W": W}, before)
 
 
-def _drive(p: Signals, u: Signals, state: Parts, seen: situation.Seen, linked: link.Link) -> _Driven:
+def _drive(p: Signals, u: Signals, state: Parts, seen: situation.LeaderSeen, linked: link.Link) -> _Driven:
     """What the weights in `state` lead to, after the commands in it."""
     y = state["W"].T @ network.activation(state["V"], seen.xbar).sigma
     nu = ca.if_else(p["leader_frame"], y, seen.R_rel.T @ y)
@@ -119,14 +115,16 @@ def _drive(p: Signals, u: Signals, state: Parts, seen: situation.Seen, linked: l
     return _Driven(nu, speed, realise.yaw_rate(p, state["yaw_rate"], turn, u["estimate.velocity.x"]))
 
 
-def _outputs(p: Signals, u: Signals, state: Parts, seen: situation.Seen, driven: _Driven, linked: link.Link) -> Parts:
+def _outputs(
+    p: Signals, u: Signals, state: Parts, seen: situation.LeaderSeen, driven: _Driven, linked: link.Link
+) -> Parts:
     own = {
         "weights.norm": ca.sqrt(ca.sumsqr(state["W"])),
         "weights.hidden_norm": ca.sqrt(ca.sumsqr(state["V"])),
         "gain_rule.broken": _rule_broken(p),
     }
     pairs = {"error": seen.z, "offset": seen.place, "velocity": driven.nu + broadcast.known(state["broadcast"])}
-    return sample.outputs(p, u, driven.speed, driven.yaw_rate, linked.heard) | sample.by_axis(pairs) | own
+    return common.outputs(p, u, driven.speed, driven.yaw_rate, linked.heard) | common.by_axis(pairs) | own
 
 
 def _rule_broken(p: Signals) -> ca.SX:

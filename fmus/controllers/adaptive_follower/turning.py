@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import casadi as ca
 
-from fmukit.kernel import Layout, Signals
+from fmukit.kernel import Layout, Parts, Signals, choose
+from fmus.cars.rotation import wrap
 from fmus.clip import clip
-from fmus.controllers.formation.hand import wrap
 from fmus.controllers.formation.messages import news
 
 STATES = Layout(
@@ -18,18 +18,12 @@ STATES = Layout(
 _FASTEST = 1.5  # rad/s; no car turns faster
 
 
-def follow(p: Signals, u: Signals, state: ca.SX, heard: ca.SX) -> ca.SX:
+def follow(p: Signals, u: Signals, before: Parts, heard: ca.SX) -> Parts:
     """The next state: at a new message the rate moves towards the change of yaw over the time between the two."""
-    before = STATES.split(state)
     new, between = news(heard, before["age"], u["leader.age"], p["sample_period"])
     seen = clip(wrap(u["leader.yaw"] - before["yaw"]) / between, -_FASTEST, _FASTEST)
     share = 1 - ca.exp(-between / p["turning.memory"])
     learnt = before["rate"] + before["known"] * share * (seen - before["rate"])
-    return STATES.join(
-        {
-            "known": ca.if_else(new, 1, before["known"]),
-            "age": ca.if_else(heard, u["leader.age"], before["age"] + p["sample_period"]),
-            "yaw": ca.if_else(new, u["leader.yaw"], before["yaw"]),
-            "rate": ca.if_else(new, learnt, before["rate"]),
-        }
-    )
+    age = ca.if_else(heard, u["leader.age"], before["age"] + p["sample_period"])
+    told = {"known": 1, "yaw": u["leader.yaw"], "rate": learnt}
+    return choose(new, told, before) | {"age": age}

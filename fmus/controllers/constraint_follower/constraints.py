@@ -14,12 +14,11 @@ through B', so u = -(W B)' lambda, and C'' = -K_d C' - K_p C needs
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import NamedTuple
 
 import casadi as ca
 
-from fmus.controllers.formation.hand import rotation, wrap
+from fmus.cars.rotation import rotation_plane, wrap
 
 COORDINATES = 3
 """Coordinates of a vehicle: h_x [m], h_y [m], psi [rad]."""
@@ -38,7 +37,7 @@ class Multipliers(NamedTuple):
 
 def offset(q_i: ca.SX, q_j: ca.SX, r: ca.SX) -> ca.SX:
     """h_i - h_j - R(psi_j) r [m] (2): vehicle i is wanted at r (2) from j, in the axes of j."""
-    return q_i[:2] - q_j[:2] - rotation(q_j[2]) @ r
+    return q_i[:2] - q_j[:2] - rotation_plane(q_j[2]) @ r
 
 
 def distance(q_i: ca.SX, q_j: ca.SX, r: ca.SX) -> ca.SX:
@@ -66,13 +65,13 @@ def rows(C: ca.SX, q: ca.SX, s: ca.SX, fixed: ca.SX) -> ca.Function:
 
 def directions(psi: ca.SX, a: ca.SX | float) -> ca.SX:
     """B (3 x 2) of a vehicle that does not slide, for u = (v', a omega') [m/s2]."""
-    return ca.vertcat(rotation(psi), ca.horzcat(0, 1 / a))
+    return ca.vertcat(rotation_plane(psi), ca.horzcat(0, 1 / a))
 
 
 def drift(psi: ca.SX, velocity: ca.SX, omega: ca.SX, a: ca.SX | float) -> ca.SX:
     """n (3): h'' and psi'' at u = 0, from the velocity of O1 in body axes (2); h'' = R (v' - a w^2 - w v_y, ...)."""
     body = ca.vertcat(-omega * (velocity[1] + a * omega), omega * velocity[0])
-    return ca.vertcat(rotation(psi) @ body, 0)
+    return ca.vertcat(rotation_plane(psi) @ body, 0)
 
 
 def multipliers(G: ca.SX, b: ca.SX) -> Multipliers:
@@ -108,29 +107,3 @@ def solve(A: ca.SX, b: ca.SX) -> ca.SX:
         for i in range(j):
             x[i] -= L[j, i] * x[j]
     return x
-
-
-def formation(edges: Iterable[tuple[int, int]], vehicles: int) -> ca.Function:
-    """Joint rows of the offset constraints of a formation: (q, q', r, r', r'', none) -> (C, W, C', gamma).
-
-    For analysis: what one law for all vehicles would do; a follower solves for itself with the rows of `law`.
-    edges: (follower, leader) pairs; q (3 vehicles) stacks the vehicles, r (2 edges) the offsets, C has 2 rows per edge.
-    """
-    pairs = tuple(edges)
-    q, r = ca.SX.sym("q", COORDINATES * vehicles), ca.SX.sym("r", 2 * len(pairs))
-    parts = ca.vertsplit(q, COORDINATES)
-    C = [offset(parts[i], parts[j], r[2 * k : 2 * k + 2]) for k, (i, j) in enumerate(pairs)]
-    return rows(ca.vertcat(*C), q, r, ca.SX.sym("none", 0))
-
-
-def isolated(W: ca.SX, edges: Iterable[tuple[int, int]]) -> ca.SX:
-    """W of `formation` without the columns of the leaders: to its followers a leader has infinite mass.
-
-    For analysis: the followers' law has the leader among its driven coordinates, which is the same.
-    What is left are blocks of 2 x 3, one per follower, which each solves alone.
-    """
-    kept = ca.SX.zeros(*W.shape)
-    for k, (i, _) in enumerate(edges):
-        block = slice(2 * k, 2 * k + 2), slice(COORDINATES * i, COORDINATES * (i + 1))
-        kept[block] = W[block]
-    return kept

@@ -10,9 +10,10 @@ from typing import NamedTuple
 import casadi as ca
 
 from fmukit.kernel import Signals
+from fmus.cars.rotation import rotation_plane
 from fmus.controllers.constraint_follower import constraints
 from fmus.controllers.constraint_follower.interface import KINDS
-from fmus.controllers.constraint_follower.leader import Motion
+from fmus.controllers.constraint_follower.leader import MovingPlace
 from fmus.controllers.formation import hand
 
 _ROWS_OF = {"offset": 2, "distance": 1, "trajectory": 2, "heading": 1}
@@ -48,7 +49,9 @@ def own(p: Signals, u: Signals, speed: ca.SX, yaw_rate: ca.SX) -> Own:
     return Own(ca.vertcat(h, yaw), rate, ca.vertcat(speed, velocity[1]), yaw_rate)
 
 
-def ask(p: Signals, me: Own, leader: Motion, place: Motion, path: Motion, yielding: ca.SX, heard: ca.SX) -> Asked:
+def ask(
+    p: Signals, me: Own, leader: MovingPlace, place: MovingPlace, path: MovingPlace, yielding: ca.SX, heard: ca.SX
+) -> Asked:
     """The accelerations that the constraints switched on ask for.
 
     `place` is the wanted offset of O1 (2) with derivatives; those to the leader are off while it is not heard.
@@ -74,14 +77,14 @@ def ask(p: Signals, me: Own, leader: Motion, place: Motion, path: Motion, yieldi
     return Asked(wanted[0], wanted[1] / a, length * C, found, on, constraints.rank(G))
 
 
-def _along_with(me: Own, leader: Motion, n: ca.SX, a: ca.SX, damping: ca.SX) -> ca.SX:
+def _along_with(me: Own, leader: MovingPlace, n: ca.SX, a: ca.SX, damping: ca.SX) -> ca.SX:
     """tau [m/s2] (2): the hand takes up the motion of the leader's, where constraints to the leader leave it free."""
     e = ca.vertcat(ca.cos(leader.place[2]), ca.sin(leader.place[2]))
     turn, turn_rate = leader.rate[2], leader.acceleration[2]
     velocity = leader.rate[:2] + a * turn * hand.S @ e
     acceleration = leader.acceleration[:2] + a * (turn_rate * hand.S @ e - turn**2 * e)
     wanted = acceleration - damping * (me.rate[:2] - velocity)
-    return hand.rotation(me.q[2]).T @ (wanted - n[:2])
+    return rotation_plane(me.q[2]).T @ (wanted - n[:2])
 
 
 def switches(p: Signals, heard: ca.SX) -> ca.SX:
@@ -113,7 +116,7 @@ def _hand_of(place: ca.SX, a: ca.SX) -> ca.SX:
     return ca.vertcat(hand.point(place[:2], place[2], a), place[2])
 
 
-def _scale(me: Own, leader: Motion, place: Motion, a: ca.SX) -> ca.SX:
+def _scale(me: Own, leader: MovingPlace, place: MovingPlace, a: ca.SX) -> ca.SX:
     """Factors (6) that bring all rows to metres: lengths of G are then about one."""
     apart = ca.norm_2(me.q[:2] - _hand_of(leader.place, a)[:2])
     length = ca.fmax(ca.fmax(apart, ca.norm_2(place.place)), _SHORTEST)

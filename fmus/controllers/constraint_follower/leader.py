@@ -12,12 +12,13 @@ the head is taken to be as old as the message; until the first one, and while th
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import casadi as ca
 
-from fmukit.kernel import Layout, Signals
-from fmus.controllers.formation.hand import S, rotation, wrap
+from fmukit.kernel import Layout, Parts, Signals, choose
+from fmus.cars.rotation import rotation_plane, wrap
+from fmus.controllers.formation.hand import S
 from fmus.controllers.formation.messages import news
 
 STATES = Layout(
@@ -30,32 +31,27 @@ STATES = Layout(
     rate=4,  # w'
     curve=4,  # w''
 )
-Parts = dict[str, ca.SX]
 
 
-class Motion(NamedTuple):
-    """(x, y, psi) of O1 in the world with first and second derivative (3 each)."""
+class MovingPlace(NamedTuple):
+    """A place with its first and second derivative, such as (x, y, psi) of O1 in the world (3 each)."""
 
     place: ca.SX
     rate: ca.SX
     acceleration: ca.SX
 
 
-def follow(p: Signals, u: Signals, state: ca.SX, heard: ca.SX) -> ca.SX:
+def follow(p: Signals, u: Signals, before: Parts, heard: ca.SX) -> Parts:
     """The state now, from that of the sample before; the first message of a link begins anew."""
-    before, T, tau = STATES.split(state), p["sample_period"], p["leader.filter_time"]
+    T, tau = p["sample_period"], p["leader.filter_time"]
     told = u["feedforward.valid"] > 0.5
     now = carried(before, T, ca.fmax(0, ca.fmin(T, tau - before["age"])))
     new, between = news(heard, before["age"], u["leader.age"], T)
-    corrected = _corrected(u, now, between, tau)
-    begun = _begun(u)
-    later = {}
-    for name in ("position", "yaw", "w", "rate", "curve"):
-        followed = ca.if_else(new, corrected[name], now[name])
-        later[name] = ca.if_else(ca.logic_and(heard, before["heard"] < 0.5), begun[name], followed)
+    followed = choose(new, _corrected(u, now, between, tau), now)
+    later = choose(ca.logic_and(heard, before["heard"] < 0.5), _begun(u), followed)
     later |= _head_begun(u, later, ca.logic_and(told, before["told"] < 0.5))
     age = ca.if_else(heard, u["leader.age"], before["age"] + T)
-    return STATES.join(later | {"heard": ca.if_else(heard, 1, 0), "told": told, "age": age})
+    return later | {"heard": ca.if_else(heard, 1, 0), "told": told, "age": age}
 
 
 def carried(m: Parts, T: ca.SX, bent: ca.SX | None = None) -> Parts:
@@ -63,7 +59,7 @@ def carried(m: Parts, T: ca.SX, bent: ca.SX | None = None) -> Parts:
     D = T if bent is None else bent
     w = m["w"] + T * m["rate"] + D * (T - 0.5 * D) * m["curve"]
     mean = m["w"] + T / 2 * m["rate"] + D**2 / 6 * m["curve"]
-    moved = T * (rotation(m["yaw"] + 0.5 * T * mean[2]) @ mean[:2])
+    moved = T * (rotation_plane(m["yaw"] + 0.5 * T * mean[2]) @ mean[:2])
     rate = m["rate"] + D * m["curve"]
     return m | {"position": m["position"] + moved, "yaw": m["yaw"] + T * mean[2], "w": w, "rate": rate}
 
@@ -75,19 +71,19 @@ def gains(between: ca.SX, tau: ca.SX) -> ca.SX:
     return ca.vertcat(1 - theta**3, rate, ((1 - theta) / between) ** 2 * (1 - theta))
 
 
-def rates(p: Signals, state: ca.SX) -> ca.SX:
+def rates(p: Signals, m: Parts) -> ca.SX:
     """(v_x', v_y', omega') (3); with feedforward.enabled the leader speeds up as the head that is heard does."""
-    m = STATES.split(state)
     with_head = ca.logic_and(p["feedforward.enabled"], m["told"])
     return ca.vertcat(ca.if_else(with_head, m["rate"][3], m["rate"][0]), m["rate"][1:3])
 
 
-def motion(p: Signals, state: ca.SX) -> Motion:
+def motion(p: Signals, m: Parts) -> MovingPlace:
     """Motion of O1: p' = R v, p'' = R (v' + omega S v), v in body axes."""
-    m, rate = STATES.split(state), rates(p, state)
-    R, v, omega = rotation(m["yaw"]), m["w"][:2], m["w"][2]
-    return Motion(
-        ca.vertcat(m["position"], m["yaw"]),
+    rate = rates(p, m)
+    R, v, omega = rotation_plane(m["yaw"]), m["w"][:2], m["w"][2]
+    place: Any = ca.vertcat(m["position"], m["yaw"])
+    return MovingPlace(
+        place,
         ca.vertcat(R @ v, omega),
         ca.vertcat(R @ (rate[:2] + omega * S @ v), rate[2]),
     )

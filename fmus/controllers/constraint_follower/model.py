@@ -4,44 +4,39 @@ from __future__ import annotations
 
 import casadi as ca
 
-from fmukit.kernel import Kernel, Layout, Signals, sampled_kernel, stack, symbols
+from fmukit.kernel import Kernel, Layout, Parts, Signals, named, sampled_kernel
+from fmus.cars.rotation import rotation_plane
 from fmus.clip import clip
 from fmus.controllers.constraint_follower import commands, law, leader, places
 from fmus.controllers.constraint_follower.interface import INTERFACE, KINDS, ROWS
-from fmus.controllers.formation import hand, link, offset, realise, sample
+from fmus.controllers.formation import common, link, offset, realise
 
 STATES = Layout(
     started=1,  # 0 before the first sample, which starts from the own motion
     speed=1,  # integrated speed [m/s]
     yaw_rate=1,  # integrated yaw rate [rad/s]
     command=2,  # speed [m/s] and yaw rate [rad/s] commanded last
-    offset=offset.STATES.size,  # the wanted place on its way to formation.x/y
-    headway=places.HEADWAY.size,
-    path=places.PATH.size,
-    link=link.STATES.size,
-    leader=leader.STATES.size,
+    offset=offset.STATES,  # the wanted place on its way to formation.x/y
+    headway=places.HEADWAY,
+    path=places.PATH,
+    link=link.STATES,
+    leader=leader.STATES,
 )
-DERIVED = Layout()
-Parts = dict[str, ca.SX]
 
 
 def kernel() -> Kernel:
     """The kernel; nothing is derived from the parameters."""
-    return sampled_kernel(INTERFACE, states=STATES, derived=DERIVED, initialise=_initialise(), step=_step())
+    return sampled_kernel(INTERFACE, states=STATES, initialise=initialise, sample=sample)
 
 
-def _initialise() -> ca.Function:
-    p, u = symbols(INTERFACE, "parameter"), symbols(INTERFACE, "input")
-    y = {name: ca.SX(0) for name in INTERFACE.names("output")} | {"constraint.none": _none(p)}
-    arguments = [p.column, u.column, ca.SX.sym("w", 0), ca.SX.sym("table", 0), ca.SX.sym("rows")]
-    x = ca.SX.zeros(STATES.size)
-    return ca.Function("initialise", arguments, [ca.SX.zeros(0), x, stack(INTERFACE.names("output"), y)])
+def initialise(p: Signals) -> tuple[Parts, Parts, Parts]:
+    """Nothing is commanded before the first sample, but that no constraint is switched on is told."""
+    return {}, {}, {"constraint.none": _none(p)}
 
 
-def _step() -> ca.Function:
-    p, u, x = symbols(INTERFACE, "parameter"), symbols(INTERFACE, "input"), STATES.symbol()
-    before = _begun(p, u, STATES.split(x))
-    shift = _shifting(p, u, before["offset"])
+def sample(p: Signals, u: Signals, x: Parts) -> tuple[Parts, Parts]:
+    """Leader, place and trajectory as they move, the accelerations asked for, and the commands."""
+    before = _begun(p, u, x)
     linked = link.supervise(p, u, before["link"], ca.fmax(u["leader.velocity.x"], 0))
     followed = leader.follow(p, u, before["leader"], linked.heard)
     integrals = commands.near(p, u, commands.Pair(before["speed"], before["yaw_rate"]))
@@ -51,18 +46,20 @@ def _step() -> ca.Function:
     others = leader.motion(p, followed), place, places.path(p, u, before["path"])
     asked = law.ask(p, me, *others, yielding, linked.heard)
     alone = ca.logic_and(linked.heard < 0.5, ca.sum1(asked.on) < 0.5)
-    last = commands.Pair(*ca.vertsplit(before["command"]))
+    last = commands.Pair(before["command"][0], before["command"][1])
     driven = commands.command(p, u, asked, linked, alone, integrals, last)
     gained = (driven.integrals.speed - integrals.speed) / p["sample_period"]
-    after = STATES.join(
-        {"started": ca.SX(1), "command": ca.vertcat(driven.speed.value, driven.yaw_rate.value)}
-        | driven.integrals._asdict()
-        | {"offset": shift, "headway": places.pulled_back(p, before["headway"], integrals.speed, gained)}
-        | {"path": places.path_state(p, u, before["path"]), "link": linked.state, "leader": followed}
-    )
-    y = stack(INTERFACE.names("output"), _outputs(p, u, driven, asked, linked, place, followed))
-    arguments = [p.column, ca.SX.sym("d", 0), u.column, x, ca.SX.sym("w", 0), ca.SX.sym("t")]
-    return ca.Function("step", arguments, [after, y])
+    after = {
+        "started": ca.SX(1),
+        **driven.integrals._asdict(),
+        "command": ca.vertcat(driven.speed.value, driven.yaw_rate.value),
+        "offset": _shifting(p, u, before["offset"]),
+        "headway": places.pulled_back(p, before["headway"], integrals.speed, gained),
+        "path": places.path_state(p, u, before["path"]),
+        "link": linked.state,
+        "leader": followed,
+    }
+    return after, _outputs(p, u, driven, asked, linked, place, followed)
 
 
 def _begun(p: Signals, u: Signals, state: Parts) -> Parts:
@@ -73,19 +70,19 @@ def _begun(p: Signals, u: Signals, state: Parts) -> Parts:
         "speed": own,
         "yaw_rate": turning,
         "command": ca.vertcat(ca.fmin(own, p["limit.speed"]), turning),
-        "offset": offset.start(sample.wanted_place(u)),
-        "headway": ca.vertcat(p["headway"] * own, 0),
+        "offset": offset.start(common.wanted_place(u)),
+        "headway": {"back": p["headway"] * own, "rate": 0},
         "path": places.path_start(u),
         "link": link.start(own),
     }
-    return sample.begun(state, start)
+    return common.begun(state, start)
 
 
-def _shifting(p: Signals, u: Signals, state: ca.SX) -> ca.SX:
+def _shifting(p: Signals, u: Signals, state: Parts) -> Parts:
     """The wanted place one sample later."""
     limits = p["transition.speed"], p["transition.acceleration"]
-    duration = offset.unhurried(state, sample.wanted_place(u), p["formation.duration"], *limits)
-    return offset.advance(state, sample.wanted_place(u), p["sample_period"], duration)
+    duration = offset.unhurried(state, common.wanted_place(u), p["formation.duration"], *limits)
+    return offset.advance(state, common.wanted_place(u), p["sample_period"], duration)
 
 
 def _outputs(
@@ -94,8 +91,8 @@ def _outputs(
     driven: commands.Commands,
     asked: law.Asked,
     linked: link.Link,
-    place: leader.Motion,
-    followed: ca.SX,
+    place: leader.MovingPlace,
+    followed: Parts,
 ) -> Parts:
     rate = leader.rates(p, followed)
     values = {
@@ -105,11 +102,10 @@ def _outputs(
         "constraint.none": _none(p),
         "leader.yaw_acceleration": rate[2],
     }
-    z = hand.rotation(u["estimate.yaw"]).T @ law.error(p, asked)
+    z = rotation_plane(u["estimate.yaw"]).T @ law.error(p, asked)
     pairs = {"error": z, "offset": place.place, "leader.acceleration": rate[:2]}
-    values |= sample.outputs(p, u, driven.speed, driven.yaw_rate, linked.heard) | sample.by_axis(pairs)
-    values |= {f"violation.{row}": asked.on[i] * asked.C[i] for i, row in enumerate(ROWS)}
-    return values | {f"multiplier.{row}": asked.multipliers.value[i] for i, row in enumerate(ROWS)}
+    values |= common.outputs(p, u, driven.speed, driven.yaw_rate, linked.heard) | common.by_axis(pairs)
+    return values | named("violation", ROWS, asked.on * asked.C) | named("multiplier", ROWS, asked.multipliers.value)
 
 
 def _none(p: Signals) -> ca.SX:

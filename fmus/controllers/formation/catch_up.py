@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from fmukit.kernel import Signals
+from fmukit.kernel import Parts, Signals, choose
 from fmus.controllers.formation import offset
 
 _SHARE = 0.5  # of the acceleration and of the spare speed that leading back may take
@@ -18,21 +18,20 @@ _SLOWEST = 1.0  # m/s; at least so fast, also behind a leader at the speed limit
 _SMALLEST = 1e-12
 
 
-def led_back(p: Signals, state: ca.SX, away: ca.SX, speed: ca.SX) -> ca.SX:
+def led_back(p: Signals, course: Parts, away: ca.SX, speed: ca.SX) -> Parts:
     """The state of `offset`, begun anew when the follower is further off than `catch_up.distance`.
 
     away   from the wanted place to the follower, in the leader's axes [m] (2)
     speed  of the leader, as far as known [m/s]
     """
-    course = offset.STATES.split(state)
     distance = ca.fmax(ca.norm_2(away), _SMALLEST)
     beyond = 1 - p["catch_up.distance"] / distance
-    begin = offset.value(state)[0] + beyond * away
-    at_rest = {"begin_rate": ca.SX.zeros(2), "begin_acceleration": ca.SX.zeros(2), "elapsed": ca.SX(0)}
+    begin = offset.value(course)[0] + beyond * away
+    still = ca.SX.zeros(2)
     way = course["target"] - begin
     duration = ca.fmax(p["formation.duration"], offset.duration_within(ca.norm_2(way), *gentle(p, speed, way)))
-    anew = offset.STATES.join(course | at_rest | {"begin": begin, "duration": duration})
-    return ca.if_else(beyond > 0, anew, state)
+    anew = {"begin": begin, "begin_rate": still, "begin_acceleration": still, "elapsed": 0, "duration": duration}
+    return choose(beyond > 0, course | anew, course)
 
 
 def gentle(p: Signals, speed: ca.SX, way: ca.SX) -> tuple[ca.SX, ca.SX]:

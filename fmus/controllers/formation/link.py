@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import casadi as ca
 
-from fmukit.kernel import Layout, Signals
+from fmukit.kernel import Layout, Parts, Signals, choose
 from fmus.clip import clip
 from fmus.controllers.formation import realise
 
@@ -25,26 +25,23 @@ class Link(NamedTuple):
     """1 while the leader is heard, else 0, and the next state."""
 
     heard: ca.SX
-    state: ca.SX
+    state: Parts
 
 
-def supervise(p: Signals, u: Signals, state: ca.SX, speed: ca.SX) -> Link:
+def supervise(p: Signals, u: Signals, before: Parts, speed: ca.SX) -> Link:
     """The link now; `speed` [m/s] is what is known of the leader while it is heard."""
-    before = STATES.split(state)
     heard = ca.logic_and(u["leader.valid"] > 0.5, u["leader.age"] <= p["link.patience"])
-    silent = ca.if_else(heard, 0, before["silent"] + p["sample_period"])
-    known = ca.if_else(heard, speed, before["known"])
-    return Link(heard, STATES.join({"silent": silent, "known": known}))
+    lost = {"silent": before["silent"] + p["sample_period"], "known": before["known"]}
+    return Link(heard, choose(heard, {"silent": 0, "known": speed}, lost))
 
 
-def start(speed: ca.SX) -> ca.SX:
+def start(speed: ca.SX) -> Parts:
     """The state before the first message: what is known is the own speed."""
-    return STATES.join({"silent": ca.SX(0), "known": speed})
+    return {"silent": ca.SX(0), "known": speed}
 
 
-def hold_speed(p: Signals, state: ca.SX, last: ca.SX, time: ca.SX) -> realise.Realised:
-    """Command.speed [m/s] without a leader, after `last`; `state` is that of `supervise`, `time` as in `realise`."""
-    now = STATES.split(state)
+def hold_speed(p: Signals, now: Parts, last: ca.SX, time: ca.SX) -> realise.Realised:
+    """Command.speed [m/s] without a leader, after `last`; `now` is the state of `supervise`, `time` as in `realise`."""
     on = realise.speed_towards(p, last, now["known"], time)
     gently = clip(on.rate, -p["link.deceleration"], p["link.deceleration"])
     braking = now["silent"] > p["link.hold"]

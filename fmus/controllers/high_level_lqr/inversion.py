@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import casadi as ca
 
+from fmukit.integration import rk4
 from fmukit.kernel import Signals
 
 NODES = 5
@@ -64,17 +65,14 @@ def steady(p: Signals, v: ca.SX, curvature: ca.SX) -> ca.SX:
 def propagate(p: Signals, z: ca.SX, path: Path, duration: ca.SX, substeps: int) -> ca.SX:
     """z after `duration` [s] from now, by the classical Runge-Kutta method."""
     h = duration / substeps
-
-    def rate(state: ca.SX, time: ca.SX) -> ca.SX:
-        return zero_dynamics(p, state, path.speed(time), path.curvature(time))
-
     for k in range(substeps):
-        t = k * h
-        k1 = rate(z, t)
-        k2 = rate(z + h / 2 * k1, t + h / 2)
-        k3 = rate(z + h / 2 * k2, t + h / 2)
-        k4 = rate(z + h * k3, t + h)
-        z = z + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+        start = k * h
+
+        def rate(state: ca.SX, part: float, start: ca.SX = start) -> ca.SX:
+            time = start + part * h
+            return zero_dynamics(p, state, path.speed(time), path.curvature(time))
+
+        z = rk4(rate, z, h)
     return z
 
 

@@ -13,35 +13,33 @@ this is e_psi*' = dw, e_n*' = v e_psi* - reach dw, to first order exact also alo
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TypeVar
+from typing import Any
 
 import casadi as ca
 
+from fmukit.kernel import Signals
 from fmus.controllers.high_level_lqr import leads
 
-Expression = TypeVar("Expression", ca.SX, ca.MX)
+
+def reach(p: Signals, v: Any) -> Any:
+    """reach [m] at speed v. Zero when the lag is not compensated."""
+    lagging = leads.yaw_rate(p) * v + slide(p, v) - (p["design.l_r"] + p["design.pneumatic_trail"])
+    return p["compensate_lag"] * lagging
 
 
-def reach(get: Callable[[str], Expression], v: Expression) -> Expression:
-    """reach [m] at speed v; `get` gives a parameter by name. Zero when the lag is not compensated."""
-    lagging = leads.yaw_rate(get) * v + slide(get, v) - (get("design.l_r") + get("design.pneumatic_trail"))
-    return get("compensate_lag") * lagging
-
-
-def slide(get: Callable[[str], Expression], v: Expression) -> Expression:
+def slide(p: Signals, v: Any) -> Any:
     """v/a [m]: how far the car slides sideways per sideslip angle that dies out."""
-    l_F, l_R = get("design.l_f") - get("design.pneumatic_trail"), get("design.l_r") + get("design.pneumatic_trail")
-    return l_F * get("design.mass") * v**2 / ((l_F + l_R) * get("design.cornering_rear"))
+    l_F, l_R = p["design.l_f"] - p["design.pneumatic_trail"], p["design.l_r"] + p["design.pneumatic_trail"]
+    return l_F * p["design.mass"] * v**2 / ((l_F + l_R) * p["design.cornering_rear"])
 
 
-def undo(get: Callable[[str], ca.SX], e: ca.SX, v: ca.SX, sideslip: ca.SX, q: ca.SX) -> ca.SX:
+def undo(p: Signals, e: ca.SX, v: ca.SX, sideslip: ca.SX, q: ca.SX) -> ca.SX:
     """Errors (4) with e_n* and e_psi* in place of e_n and e_psi; sideslip [rad] beyond the expected, q [rad/s]."""
-    tau, on = leads.yaw_rate(get), get("compensate_lag")
-    e_n = e[2] + on * (slide(get, v) * sideslip - tau * reach(get, v) * q)
+    tau, on = leads.yaw_rate(p), p["compensate_lag"]
+    e_n = e[2] + on * (slide(p, v) * sideslip - tau * reach(p, v) * q)
     return ca.vertcat(e[0], e[1], e_n, e[3] + on * tau * q)
 
 
-def answer(get: Callable[[str], ca.SX], q: ca.SX, dw: ca.SX) -> ca.SX:
+def answer(p: Signals, q: ca.SX, dw: ca.SX) -> ca.SX:
     """q after one sample of a held dw."""
-    return dw + ca.exp(-get("sample_period") / ca.fmax(leads.yaw_rate(get), 1e-3)) * (q - dw)
+    return dw + ca.exp(-p["sample_period"] / ca.fmax(leads.yaw_rate(p), 1e-3)) * (q - dw)

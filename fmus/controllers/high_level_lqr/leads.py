@@ -6,43 +6,40 @@ acts one of its periods later.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TypeVar
+from typing import Any
 
 import casadi as ca
 
+from fmukit.kernel import Signals
 from fmus.controllers.bus import PREVIEW_PERIOD
 from fmus.controllers.high_level_lqr.inversion import NODES
 
-Expression = TypeVar("Expression", ca.SX, ca.MX)
-Get = Callable[[str], Expression]
-"""Gives a parameter by name."""
 REACH = (NODES - 1) * PREVIEW_PERIOD
 """s; the polynomials of the near future reach no further."""
 
 
-def steering(get: Get[Expression]) -> Expression:
+def steering(p: Signals) -> Any:
     """Lead of the feed-forward steering angle [s]."""
-    return _within_reach(_filter(get, "steering") + get("actuator.steering.filter_time") + _sampling(get))
+    return _within_reach(_filter(p, "steering") + p["actuator.steering.filter_time"] + _sampling(p))
 
 
-def yaw_rate(get: Get[Expression]) -> Expression:
+def yaw_rate(p: Signals) -> Any:
     """Lead of the yaw rate [s], which is also the lag of the car's answer to it."""
-    return _within_reach(_filter(get, "yaw_rate") + _sampling(get))
+    return _within_reach(_filter(p, "yaw_rate") + _sampling(p))
 
 
-def speed(get: Get[Expression]) -> Expression:
+def speed(p: Signals) -> Any:
     """Lead of speed and acceleration [s]."""
-    return _within_reach(_filter(get, "speed") + _sampling(get))
+    return _within_reach(_filter(p, "speed") + _sampling(p))
 
 
-def _filter(get: Get[Expression], name: str) -> Expression:
-    return 3 / get(f"actuator.filter.{name}")
+def _filter(p: Signals, name: str) -> Any:
+    return 3 / p[f"actuator.filter.{name}"]
 
 
-def _sampling(get: Get[Expression]) -> Expression:
-    return get("sample_period") / 2 + get("actuator.sample_period")
+def _sampling(p: Signals) -> Any:
+    return p["sample_period"] / 2 + p["actuator.sample_period"]
 
 
-def _within_reach(lead: Expression) -> Expression:
+def _within_reach(lead: Any) -> Any:
     return ca.fmin(lead, REACH)

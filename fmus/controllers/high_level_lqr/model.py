@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from typing import Any
 
 import casadi as ca
 
-from fmukit.kernel import Kernel, Layout, Signals, sampled_kernel, stack, symbols
-from fmus.controllers.bus import PREVIEW, PREVIEW_PERIOD, REFERENCE, SAMPLE
+from fmukit.kernel import Kernel, Layout, Parts, Signals, block, sampled_kernel, slots
+from fmus.cars.rotation import wrap
+from fmus.clip import clip
+from fmus.controllers.bus import PREVIEW, PREVIEW_PERIOD, REFERENCE
 from fmus.controllers.high_level_lqr import inversion, lag, leads, riccati, tracking
 from fmus.controllers.high_level_lqr.interface import INTERFACE
 
@@ -22,46 +24,34 @@ DERIVED = Layout(terminal=10)
 _MOVING = 5.0  # m/s; below it the integrals grow more slowly, at rest not at all
 _ERRORS = ("longitudinal", "speed", "lateral", "yaw")
 _WEIGHTS = (*_ERRORS, "acceleration", "yaw_rate")
-_PARAMETERS = INTERFACE.names("parameter")
-_INPUTS = INTERFACE.names("input")
 
 
 def kernel() -> Kernel:
     """The kernel; d holds the terminal weight."""
-    return sampled_kernel(INTERFACE, states=STATES, derived=DERIVED, initialise=_initialise(), step=_step())
+    return sampled_kernel(INTERFACE, states=STATES, derived=DERIVED, initialise=initialise, sample=sample, symbol=ca.MX)
 
 
-def _initialise() -> ca.Function:
-    p, u = ca.MX.sym("p", len(_PARAMETERS)), ca.MX.sym("u", len(_INPUTS))
-    v = _parameter(p)("terminal.speed")
-    d = riccati.terminal(PREVIEW_PERIOD)(ca.vertcat(_weights(p), v, lag.reach(_parameter(p), v)))
-    arguments = [p, u, ca.MX.sym("w", 0), ca.MX.sym("table", 0), ca.MX.sym("rows")]
-    outputs = ca.MX.zeros(len(INTERFACE.names("output")))
-    return ca.Function("initialise", arguments, [d, ca.MX.zeros(STATES.size), outputs])
+def initialise(p: Signals) -> tuple[Parts, Parts, Parts]:
+    """The terminal weight; nothing is commanded before the first sample."""
+    v = p["terminal.speed"]
+    return {"terminal": riccati.terminal(_weights(p), v, lag.reach(p, v))}, {}, {}
 
 
-def _step() -> ca.Function:
-    p, d, u = ca.MX.sym("p", len(_PARAMETERS)), ca.MX.sym("d", DERIVED.size), ca.MX.sym("u", len(_INPUTS))
-    x = ca.MX.sym("x", STATES.size)
+def sample(p: Signals, d: Parts, u: Signals, x: Parts) -> tuple[Parts, Parts]:
+    """The gain of the horizon that begins now, and what is made of it."""
     v, curvature = (_between(_along(u, name)) for name in ("speed", "curvature"))
-    K = riccati.first_gain(PREVIEW_PERIOD, PREVIEW)(d, _weights(p), v, curvature, lag.reach(_parameter(p), v))
-    arguments = [p, d, u, x, ca.MX.sym("w", 0), ca.MX.sym("t")]
-    return ca.Function("step", arguments, list(_control().call([p, u, x, K])))
+    K = riccati.first_gain(d["terminal"], _weights(p), v, curvature, lag.reach(p, v))
+    after, outputs = control(p, u, x, K)
+    return after, outputs
 
 
-def _parameter(p: ca.MX) -> Callable[[str], ca.MX]:
-    return lambda name: p[_PARAMETERS.index(name)]
+def _weights(p: Signals) -> ca.MX:
+    return p.vector("weight", _WEIGHTS)
 
 
-def _weights(p: ca.MX) -> ca.MX:
-    return ca.vertcat(*(_parameter(p)(f"weight.{name}") for name in _WEIGHTS))
-
-
-def _along(u: ca.MX, name: str) -> ca.MX:
+def _along(u: Signals, name: str) -> Any:
     """One quantity of the reference now and along the preview (1 x PREVIEW + 1)."""
-    first, ahead = _INPUTS.index(f"reference.{name}"), _INPUTS.index(f"preview[1].{name}")
-    last = ahead + len(SAMPLE) * PREVIEW
-    return ca.horzcat(u[first], u[ahead : last : len(SAMPLE)].T)
+    return u.pick([f"reference.{name}", *(f"preview[{k}].{name}" for k in range(1, PREVIEW + 1))]).T
 
 
 def _between(nodes: ca.MX) -> ca.MX:
@@ -69,41 +59,37 @@ def _between(nodes: ca.MX) -> ca.MX:
     return 0.5 * (nodes[:, 1:] + nodes[:, :-1])
 
 
-def _control() -> ca.Function:
-    """(p, u, x, K) -> (x, y): errors, feedback with the gain K, feed-forward."""
-    p, u = symbols(INTERFACE, "parameter"), symbols(INTERFACE, "input")
-    x, K = ca.SX.sym("x", STATES.size), ca.SX.sym("K", 2, 4)
-    state = STATES.split(x)
+@block(p=slots(INTERFACE, "parameter"), u=slots(INTERFACE, "input"), x=STATES, K=(2, 4))
+def control(p: Signals, u: Signals, x: Parts, K: ca.SX) -> tuple[Parts, Parts]:
+    """States and outputs of a sample: errors, feedback with the gain K, feed-forward."""
     reference = {name: u[f"reference.{name}"] for name in REFERENCE}
     path = inversion.Path(_ahead(u, "speed"), _ahead(u, "curvature"))
     steady = inversion.steady(p, reference["speed"], reference["curvature"])
-    z = ca.if_else(state["started"], state["zero_dynamics"], steady)
-    velocity = u.vector("estimate.velocity", "xy")
+    z = ca.if_else(x["started"], x["zero_dynamics"], steady)
+    velocity, q, slow = u.vector("estimate.velocity", "xy"), x["yaw_answer"], x["sideslip"]
     beta = ca.atan2(velocity[1], ca.fmax(velocity[0], 1.0))
-    slow = state["sideslip"]
     e = tracking.path_errors(u.vector("estimate.position", "xy"), u["estimate.yaw"], velocity, reference, z[0] + slow)
-    moving = ca.fmin(ca.fmax(reference["speed"] / _MOVING, 0), 1)
-    get, q = p.__getitem__, state["yaw_answer"]
-    seen = lag.undo(get, e, reference["speed"], moving * (beta - z[0] - slow), q)
-    du, integrals = _feedback(p, K, seen, state["integrals"], moving)
-    values = _commands(p, z, path, _ahead(u, "acceleration"), du)
-    values |= {f"error.{name}": e[i] for i, name in enumerate(_ERRORS)}
-    values["error.course"] = tracking.wrap(u["estimate.yaw"] + beta - reference["course"])
-    values |= {"feedforward.sideslip": z[0], "feedforward.yaw_rate": z[1]}
-    values |= {"feedback.acceleration": du[0], "feedback.yaw_rate": du[1]}
-    learnt = slow + (1 - ca.exp(-p["sample_period"] / p["sideslip_time"])) * (beta - z[0] - slow)
-    later = inversion.propagate(p, z, path, p["sample_period"], 2)
-    after = STATES.join(
-        {"started": ca.SX(1), "zero_dynamics": later, "integrals": integrals, "sideslip": learnt}
-        | {"yaw_answer": lag.answer(get, q, du[1])}
-    )
-    return ca.Function("control", [p.column, u.column, x, K], [after, stack(INTERFACE.names("output"), values)])
+    moving = clip(reference["speed"] / _MOVING, 0, 1)
+    seen = lag.undo(p, e, reference["speed"], moving * (beta - z[0] - slow), q)
+    du, integrals = _feedback(p, K, seen, x["integrals"], moving)
+    outputs = _commands(p, z, path, _ahead(u, "acceleration"), du)
+    outputs |= {f"error.{name}": e[i] for i, name in enumerate(_ERRORS)}
+    outputs["error.course"] = wrap(u["estimate.yaw"] + beta - reference["course"])
+    outputs |= {"feedforward.sideslip": z[0], "feedforward.yaw_rate": z[1]}
+    outputs |= {"feedback.acceleration": du[0], "feedback.yaw_rate": du[1]}
+    after = {
+        "started": ca.SX(1),
+        "zero_dynamics": inversion.propagate(p, z, path, p["sample_period"], 2),
+        "integrals": integrals,
+        "yaw_answer": lag.answer(p, q, du[1]),
+        "sideslip": slow + (1 - ca.exp(-p["sample_period"] / p["sideslip_time"])) * (beta - z[0] - slow),
+    }
+    return after, outputs
 
 
 def _ahead(u: Signals, name: str) -> inversion.Ahead:
     """The near future of a quantity of the reference, as a polynomial of the time ahead."""
-    nodes = [u[f"reference.{name}"], *(u[f"preview[{k}].{name}"] for k in range(1, inversion.NODES))]
-    return inversion.polynomial(ca.vertcat(*nodes), PREVIEW_PERIOD)
+    return inversion.polynomial(_along(u, name)[: inversion.NODES].T, PREVIEW_PERIOD)
 
 
 def _feedback(p: Signals, K: ca.SX, e: ca.SX, integrals: ca.SX, moving: ca.SX) -> tuple[ca.SX, ca.SX]:
@@ -111,14 +97,14 @@ def _feedback(p: Signals, K: ca.SX, e: ca.SX, integrals: ca.SX, moving: ca.SX) -
     gains = ca.vertcat(p["integral.longitudinal"], p["integral.lateral"])
     limits = ca.vertcat(p["limit.acceleration"], p["limit.yaw_rate"])
     wanted = -(K @ e) - gains * integrals
-    du = ca.fmin(ca.fmax(wanted, -limits), limits)
+    du = clip(wanted, -limits, limits)
     growth = moving * p["sample_period"] * ca.vertcat(e[0], e[2])
     return du, integrals + (du == wanted) * growth
 
 
-def _commands(p: Signals, z: ca.SX, path: inversion.Path, acceleration: inversion.Ahead, du: ca.SX) -> dict[str, ca.SX]:
+def _commands(p: Signals, z: ca.SX, path: inversion.Path, acceleration: inversion.Ahead, du: ca.SX) -> Parts:
     """The commands: the reference taken ahead by the delay of each channel, plus the feedback."""
-    early, soon, later = (lead(p.__getitem__) for lead in (leads.steering, leads.yaw_rate, leads.speed))
+    early, soon, later = (lead(p) for lead in (leads.steering, leads.yaw_rate, leads.speed))
     z_steer = inversion.propagate(p, z, path, early, 4)
     z_yaw = inversion.propagate(p, z, path, soon, 4)
     return {

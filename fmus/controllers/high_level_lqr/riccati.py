@@ -4,26 +4,26 @@ from __future__ import annotations
 
 import casadi as ca
 
+from fmukit.kernel import block
+from fmus.controllers.bus import PREVIEW, PREVIEW_PERIOD
 from fmus.controllers.high_level_lqr.tracking import exact_model
 
 _N = 4
 _TERMINAL_STEPS = 2000
 
 
-def step(T: float) -> ca.Function:
-    """(S packed, weights, v, curvature, reach) -> (S one step earlier, packed; gain K as a column of 8).
+@block(S=10, weights=6, v=1, curvature=1, reach=1)
+def step(S: ca.SX, weights: ca.SX, v: ca.SX, curvature: ca.SX, reach: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """(S one step of PREVIEW_PERIOD earlier, packed; gain K as a column of 8) from S packed by `pack`.
 
-    K = (B'SB + R)^-1 B'SA, S <- Q + A'S(A - BK); weights are the diagonals of Q (4) and R (2). Packed: `pack`.
+    K = (B'SB + R)^-1 B'SA, S <- Q + A'S(A - BK); weights are the diagonals of Q (4) and R (2).
     """
-    packed, weights = ca.SX.sym("S", 10), ca.SX.sym("weights", 6)
-    v, curvature, reach = ca.SX.sym("v"), ca.SX.sym("kappa"), ca.SX.sym("reach")
     Q, R = ca.diag(weights[:4]), ca.diag(weights[4:])
-    A, B = exact_model(v, curvature, T, reach)
-    S = unpack(packed)
-    SB = S @ B
+    A, B = exact_model(v, curvature, PREVIEW_PERIOD, reach)
+    full = unpack(S)
+    SB = full @ B
     K = _inverse(B.T @ SB + R) @ (SB.T @ A)
-    earlier = Q + A.T @ S @ (A - B @ K)
-    return ca.Function("riccati", [packed, weights, v, curvature, reach], [pack(earlier), ca.vec(K)])
+    return pack(Q + A.T @ full @ (A - B @ K)), ca.vec(K)
 
 
 def pack(S: ca.SX) -> ca.SX:
@@ -41,30 +41,38 @@ def unpack(packed: ca.SX) -> ca.SX:
     return S
 
 
-def terminal(T: float) -> ca.Function:
-    """(weights, v, reach) -> packed solution of the discrete algebraic Riccati equation at constant v on a straight.
+@block(symbol=ca.MX, weights=6, v=1, reach=1)
+def terminal(weights: ca.MX, v: ca.MX, reach: ca.MX) -> ca.MX:
+    """The packed solution of the discrete algebraic Riccati equation at constant v [m/s] on a straight.
 
     The recursion runs to its limit from S = Q.
     """
-    weights, v, reach = ca.SX.sym("weights", 6), ca.SX.sym("v"), ca.SX.sym("reach")
-    S, column = ca.SX.sym("S", 10), ca.vertcat(weights, v, reach)
-    once = ca.Function("once", [S, column], [step(T)(S, weights, v, 0, reach)[0]])
-    start = ca.Function("start", [column], [pack(ca.diag(weights[:4]))])
-    given = ca.MX.sym("given", 8)
-    limit = once.fold(_TERMINAL_STEPS)(start(given), ca.repmat(given, 1, _TERMINAL_STEPS))
-    return ca.Function("terminal", [given], [limit])
+    held = ca.repmat(ca.vertcat(weights, v, reach), 1, _TERMINAL_STEPS)
+    return _on_a_straight.function.fold(_TERMINAL_STEPS)(_start(weights), held)
 
 
-def first_gain(T: float, steps: int) -> ca.Function:
-    """(packed terminal weight, weights, v, curvature, reach (1 x steps each)) -> the first gain K (2 x 4)."""
-    S, weights = ca.MX.sym("S", 10), ca.MX.sym("weights", 6)
-    v, curvature, reach = (ca.MX.sym(name, 1, steps) for name in ("v", "kappa", "reach"))
-    carried, w, at = ca.SX.sym("carried", 18), ca.SX.sym("weights", 6), ca.SX.sym("at", 3)
-    body = ca.Function("body", [carried, w, at], [ca.vertcat(*step(T)(carried[:10], w, at[0], at[1], at[2]))])
+@block(weights=6)
+def _start(weights: ca.SX) -> ca.SX:
+    return pack(ca.diag(weights[:4]))
+
+
+@block(S=10, held=8)
+def _on_a_straight(S: ca.SX, held: ca.SX) -> ca.SX:
+    return step(S, held[:6], held[6], 0, held[7])[0]
+
+
+@block(symbol=ca.MX, S=10, weights=6, v=(1, PREVIEW), curvature=(1, PREVIEW), reach=(1, PREVIEW))
+def first_gain(S: ca.MX, weights: ca.MX, v: ca.MX, curvature: ca.MX, reach: ca.MX) -> ca.MX:
+    """The first gain K (2 x 4) from the packed terminal weight S, over the steps of the preview."""
     last = ca.vertcat(S, ca.MX.zeros(8))
     backward = ca.vertcat(v, curvature, reach)[:, ::-1]
-    end = body.fold(steps)(last, ca.repmat(weights, 1, steps), backward)
-    return ca.Function("first_gain", [S, weights, v, curvature, reach], [ca.reshape(end[10:], 2, _N)])
+    end = _backward.function.fold(PREVIEW)(last, ca.repmat(weights, 1, PREVIEW), backward)
+    return ca.reshape(end[10:], 2, _N)
+
+
+@block(carried=18, weights=6, at=3)
+def _backward(carried: ca.SX, weights: ca.SX, at: ca.SX) -> ca.SX:
+    return ca.vertcat(*step(carried[:10], weights, *ca.vertsplit(at)))
 
 
 def _inverse(M: ca.SX) -> ca.SX:

@@ -6,10 +6,13 @@ import math
 
 import casadi as ca
 
+from fmukit.kernel import Parts
+from fmus.cars.rotation import wrap
+
 _TERMS = 7
 
 
-def path_errors(position: ca.SX, yaw: ca.SX, velocity: ca.SX, reference: dict[str, ca.SX], beta_r: ca.SX) -> ca.SX:
+def path_errors(position: ca.SX, yaw: ca.SX, velocity: ca.SX, reference: Parts, beta_r: ca.SX) -> ca.SX:
     """(e_s, e_v, e_n, e_psi) [m, m/s, m, rad]: rotated position error, speed error, yaw error to course_r - beta_r."""
     chi = reference["course"]
     dx, dy = position[0] - reference["x"], position[1] - reference["y"]
@@ -17,21 +20,6 @@ def path_errors(position: ca.SX, yaw: ca.SX, velocity: ca.SX, reference: dict[st
     e_n = -ca.sin(chi) * dx + ca.cos(chi) * dy
     e_v = ca.sqrt(velocity[0] ** 2 + velocity[1] ** 2) - reference["speed"]
     return ca.vertcat(e_s, e_v, e_n, wrap(yaw - (chi - beta_r)))
-
-
-def wrap(angle: ca.SX) -> ca.SX:
-    """The angle in (-pi, pi]."""
-    return ca.atan2(ca.sin(angle), ca.cos(angle))
-
-
-def continuous_model(v: ca.SX, curvature: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """A (4 x 4), B (4 x 2) of e_s' = e_v + w e_n, e_v' = da, e_n' = -w e_s + v e_psi, e_psi' = dw with w = v kappa."""
-    w = v * curvature
-    A = ca.SX.zeros(4, 4)
-    A[0, 1], A[0, 2], A[2, 0], A[2, 3] = 1, w, -w, v
-    B = ca.SX.zeros(4, 2)
-    B[1, 0], B[3, 1] = 1, 1
-    return A, B
 
 
 def exact_model(v: ca.SX, curvature: ca.SX, T: float, reach: ca.SX | float = 0.0) -> tuple[ca.SX, ca.SX]:

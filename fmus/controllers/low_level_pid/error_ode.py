@@ -13,8 +13,3 @@ def double_pole(pole: ca.SX, error: ca.SX, integral: ca.SX) -> ca.SX:
 def triple_pole(pole: ca.SX, rate: ca.SX, error: ca.SX, integral: ca.SX) -> ca.SX:
     """e'' + 3 lambda e' + 3 lambda^2 e + lambda^3 int(e) = 0, for a plant of relative degree two."""
     return 3 * pole * rate + 3 * pole**2 * error + pole**3 * integral
-
-
-def limit(value: ca.SX, low: ca.SX | float, high: ca.SX | float) -> ca.SX:
-    """`value` inside [low, high]."""
-    return ca.fmin(ca.fmax(value, low), high)

@@ -7,11 +7,12 @@ from dataclasses import dataclass, replace
 import casadi as ca
 
 from fmukit.kernel import Signals
-from fmus.controllers.low_level_pid.error_ode import double_pole, limit
+from fmus.clip import clip
+from fmus.controllers.low_level_pid.error_ode import double_pole
 
 
 @dataclass(frozen=True, slots=True)
-class Drive:
+class WheelTorques:
     """Result of the speed loop: torques of the four wheels [N.m], saturation 0/1, next integral [m], standing 0/1."""
 
     wheel_torque: ca.SX
@@ -21,7 +22,7 @@ class Drive:
     standing: ca.SX
 
 
-def drive(p: Signals, v: ca.SX, v_d: ca.SX, a_d: ca.SX, integral: ca.SX) -> Drive:
+def drive(p: Signals, v: ca.SX, v_d: ca.SX, a_d: ca.SX, integral: ca.SX) -> WheelTorques:
     """F = (m + 4 J_w / r^2) (a_d + 2 lambda e + lambda^2 int e) + drag + rolling resistance, e = v_d - v.
 
     v, v_d [m/s] measured and filtered commanded speed, a_d [m/s2] filtered commanded acceleration.
@@ -32,13 +33,13 @@ def drive(p: Signals, v: ca.SX, v_d: ca.SX, a_d: ca.SX, integral: ca.SX) -> Driv
     feedback = p["speed.enabled"] * double_pole(p["speed.pole"], error, integral)
     rotating = 4 * p["design.wheel_inertia"] / r**2
     demand = (m + rotating) * (a_d + feedback) + resistance(p, v)
-    F = limit(demand, -p["speed.brake_limit"] * m * g, p["speed.drive_limit"] * m * g)
+    F = clip(demand, -p["speed.brake_limit"] * m * g, p["speed.drive_limit"] * m * g)
     saturated = demand != F
     standing = _standing(p, v, v_d)
     hold = p["speed.hold_force"] * m * g
     driving = (1 - standing) * ca.fmax(F, 0)
     braking = ca.if_else(standing, hold, ca.fmax(-F, 0))
-    return Drive(
+    return WheelTorques(
         wheel_torque=r * driving * _shares(p["speed.drive_front"]),
         brake_torque=r * braking * _shares(p["speed.brake_front"]),
         saturated=saturated,
@@ -47,7 +48,7 @@ def drive(p: Signals, v: ca.SX, v_d: ca.SX, a_d: ca.SX, integral: ca.SX) -> Driv
     )
 
 
-def or_fed_through(p: Signals, closed: Drive, wheel_torque: ca.SX, brake_torque: ca.SX) -> Drive:
+def or_fed_through(p: Signals, closed: WheelTorques, wheel_torque: ca.SX, brake_torque: ca.SX) -> WheelTorques:
     """The result of the closed loop, or with `speed.fed_through` the commanded torques (4 each) [N.m] as they are."""
     fed = p["speed.fed_through"]
     loop = 1 - fed

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import casadi as ca
 
 from fmukit.kernel import Signals
-from fmus.controllers.low_level_pid.error_ode import double_pole, limit, triple_pole
+from fmus.clip import clip
+from fmus.controllers.low_level_pid.error_ode import double_pole, triple_pole
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,15 +29,15 @@ def demand(p: Signals, v: ca.SX, feedforward: ca.SX, error: ca.SX, kept: tuple[c
     """
     angle, integral = kept
     T = p["sample_period"]
-    fade = limit(v / p["yaw.fade_speed"], 0, 1)
+    fade = clip(v / p["yaw.fade_speed"], 0, 1)
     gain = p["design.yaw_inertia"] / ((p["design.l_f"] - p["design.pneumatic_trail"]) * p["design.cornering_front"])
     closed = p["yaw.enabled"] * (1 - p["yaw.fed_through"])
     wanted = closed * fade * gain * double_pole(p["yaw.pole"], error, integral)
-    feedback = limit(wanted, -p["yaw.limit"], p["yaw.limit"])
+    feedback = clip(wanted, -p["yaw.limit"], p["yaw.limit"])
     target = feedforward + feedback
-    reached = limit(target, -p["steering.angle_limit"], p["steering.angle_limit"])
+    reached = clip(target, -p["steering.angle_limit"], p["steering.angle_limit"])
     speed = (1 - ca.exp(-T / p["steering.filter_time"])) / T * (reached - angle)
-    rate = limit(speed, -p["steering.rate_limit"], p["steering.rate_limit"])
+    rate = clip(speed, -p["steering.rate_limit"], p["steering.rate_limit"])
     limited = ca.logic_or(ca.logic_or(feedback != wanted, reached != target), rate != speed)
     frozen = ca.logic_or(ca.logic_or(limited, fade <= 0), p["yaw.fed_through"])
     return Demand(rate, angle + T * rate, integral + ca.if_else(frozen, 0, T * error), limited)
@@ -62,12 +63,12 @@ def servo(
 
     T = J (3 lambda e' + 3 lambda^2 e + lambda^3 int e) + b delta' + t F_y / 2: damping and aligning moment made up for.
     """
-    limit_ = p["steering.torque_limit"]
+    largest = p["steering.torque_limit"]
     error, rate = wanted[0] - measured[0], wanted[1] - measured[1]
     computed = p["design.steer_inertia"] * triple_pole(p["steering.pole"], rate, error, integral)
     opposing = p["design.steer_damping"] * measured[1] + p["design.pneumatic_trail"] * trail_force / 2
     demanded = p["steering.enabled"] * (computed + opposing)
-    torque = limit(demanded, -limit_, limit_)
+    torque = clip(demanded, -largest, largest)
     saturated = torque != demanded
     growth = p["sample_period"] * error * (1 - saturated)
     return torque, integral + growth, ca.fmax(saturated[0], saturated[1])

@@ -5,7 +5,8 @@ from __future__ import annotations
 import casadi as ca
 
 from fmukit.kernel import Signals
-from fmus.controllers.low_level_pid.error_ode import limit, triple_pole
+from fmus.clip import clip
+from fmus.controllers.low_level_pid.error_ode import triple_pole
 
 
 def sharing(p: Signals) -> ca.SX:
@@ -28,6 +29,6 @@ def forces(p: Signals, T_plus: ca.SX, error: ca.SX, rate: ca.SX, integral: ca.SX
     wrench = inertia * triple_pole(p["suspension.pole"], rate, error, integral)
     demanded = p["suspension.enabled"] * (T_plus @ wrench)
     largest = p["suspension.force_limit"]
-    force = limit(demanded, -largest, largest)
+    force = clip(demanded, -largest, largest)
     saturated = ca.mmax(force != demanded)
     return force, integral + p["sample_period"] * error * (1 - saturated), saturated

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from fmukit.kernel import symbols
+from fmukit.kernel import Signals, block, slots
 from fmus.controllers.bus import SAMPLE
 from fmus.controllers.mpc_allocator import inversion
 from fmus.controllers.mpc_allocator.design_car import design_car
@@ -21,37 +21,33 @@ def times(Ts: ca.MX) -> ca.MX:
     return ca.vertcat(grid, 0.5 * Ts, Ts)
 
 
-def reference(p: ca.MX, z: ca.MX, path: ca.MX) -> ca.MX:
+def reference(p: Signals, z: ca.MX, path: ca.MX) -> ca.MX:
     """The nodes (9 x NODES + 1) of the car that is at z on the path of half nodes."""
     begin, middle, end = path[:, :-1:2], path[:, 1::2], path[:, 2::2]
-    numbers = ca.repmat(p, 1, NODES)
-    later = _advance().mapaccum("zero_dynamics", NODES)(z, numbers, begin, middle, end, ca.DM.ones(1, NODES) * PERIOD)
+    periods = ca.DM.ones(1, NODES) * PERIOD
+    zero_dynamics = _advance.function.mapaccum("zero_dynamics", NODES)
+    later = zero_dynamics(z, ca.repmat(p.column, 1, NODES), begin, middle, end, periods)
     inner = ca.horzcat(z, later)
-    steering = _steering().map(NODES + 1)(ca.repmat(p, 1, NODES + 1), inner, path[:, ::2])
-    return ca.vertcat(path[:, ::2], inner, steering)
+    angles = _steering.function.map(NODES + 1)(ca.repmat(p.column, 1, NODES + 1), inner, path[:, ::2])
+    return ca.vertcat(path[:, ::2], inner, angles)
 
 
-def later(p: ca.MX, z: ca.MX, path: ca.MX, ahead: ca.MX, Ts: ca.MX) -> ca.MX:
+def later(p: Signals, z: ca.MX, path: ca.MX, ahead: ca.MX, Ts: ca.MX) -> ca.MX:
     """z one sampling period later."""
-    return _advance()(z, p, path[:, 0], ahead[:, 0], ahead[:, 1], Ts)
+    return _advance(z, p, path[:, 0], ahead[:, 0], ahead[:, 1], Ts)
 
 
-def steady(p: ca.MX, path: ca.MX) -> ca.MX:
-    """The equilibrium z at the first sample of the path."""
-    parameters, s = symbols(INTERFACE, "parameter"), ca.SX.sym("s", len(SAMPLE))
-    z = inversion.steady(design_car(parameters), s[3], s[5])
-    return ca.Function("steady", [parameters.column, s], [z])(p, path[:, 0])
+@block(p=slots(INTERFACE, "parameter"), sample=len(SAMPLE))
+def steady(p: Signals, sample: ca.SX) -> ca.SX:
+    """The equilibrium z at a sample of the path."""
+    return inversion.steady(design_car(p), sample[3], sample[5])
 
 
-def _advance() -> ca.Function:
-    parameters, z, h = symbols(INTERFACE, "parameter"), ca.SX.sym("z", 2), ca.SX.sym("h")
-    s = [ca.SX.sym(name, len(SAMPLE)) for name in ("begin", "middle", "end")]
-    begin, middle, end = (sample[3:] for sample in s)
-    after = inversion.advance(design_car(parameters), z, (begin, middle, end), h)
-    return ca.Function("advance", [z, parameters.column, *s, h], [ca.cse(after)])
+@block(z=2, p=slots(INTERFACE, "parameter"), begin=len(SAMPLE), middle=len(SAMPLE), end=len(SAMPLE), h=1)
+def _advance(z: ca.SX, p: Signals, begin: ca.SX, middle: ca.SX, end: ca.SX, h: ca.SX) -> ca.SX:
+    return ca.cse(inversion.advance(design_car(p), z, (begin[3:], middle[3:], end[3:]), h))
 
 
-def _steering() -> ca.Function:
-    parameters, z, s = symbols(INTERFACE, "parameter"), ca.SX.sym("z", 2), ca.SX.sym("s", len(SAMPLE))
-    delta = inversion.steering(design_car(parameters), z, s[3:])
-    return ca.Function("steering", [parameters.column, z, s], [ca.cse(delta)])
+@block(p=slots(INTERFACE, "parameter"), z=2, sample=len(SAMPLE))
+def _steering(p: Signals, z: ca.SX, sample: ca.SX) -> ca.SX:
+    return ca.cse(inversion.steering(design_car(p), z, sample[3:]))

@@ -13,8 +13,10 @@ from __future__ import annotations
 
 import casadi as ca
 
+from fmukit.integration import rk4
 from fmus.cars.double_track import DoubleTrackCar
 from fmus.cars.single_track import Tyre
+from fmus.clip import clip
 from fmus.controllers.mpc_allocator.design_car import SLOWEST, rate
 from fmus.double_track.model import motion, wheel_loads
 
@@ -29,9 +31,9 @@ def slip_for(tyre: Tyre, part: ca.SX) -> ca.SX:
 
     sin(C atan(phi)) = part with phi = s - E (s - atan s), s = B alpha; Newton's method from s = phi is monotone.
     """
-    part = ca.fmin(ca.fmax(part, -FULL), FULL)
+    part = clip(part, -FULL, FULL)
     angle = ca.asin(part) / tyre.C
-    phi = ca.tan(ca.fmin(ca.fmax(angle, -_STEEPEST), _STEEPEST))
+    phi = ca.tan(clip(angle, -_STEEPEST, _STEEPEST))
     s = phi
     for _ in range(5):
         s -= ((1 - tyre.E) * s + tyre.E * ca.atan(s) - phi) / (1 - tyre.E + tyre.E / (1 + s**2))
@@ -54,13 +56,9 @@ def zero_dynamics(car: DoubleTrackCar, z: ca.SX, sample: ca.SX) -> ca.SX:
 
 def advance(car: DoubleTrackCar, z: ca.SX, samples: tuple[ca.SX, ca.SX, ca.SX], h: ca.SX | float) -> ca.SX:
     """z after h [s] by the classical Runge-Kutta method; the samples are at the beginning, middle and end."""
-    begin, middle, end = samples
-    k1 = zero_dynamics(car, z, begin)
-    k2 = zero_dynamics(car, z + h / 2 * k1, middle)
-    k3 = zero_dynamics(car, z + h / 2 * k2, middle)
-    k4 = zero_dynamics(car, z + h * k3, end)
-    after = z + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
-    return ca.fmin(ca.fmax(after, -_LARGEST), _LARGEST)
+    at = dict(zip((0.0, 0.5, 1.0), samples, strict=True))
+    after = rk4(lambda state, part: zero_dynamics(car, state, at[part]), z, h)
+    return clip(after, -_LARGEST, _LARGEST)
 
 
 def steering(car: DoubleTrackCar, z: ca.SX, sample: ca.SX) -> ca.SX:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import casadi as ca
 
-from fmukit.kernel import Column, symbols
+from fmukit.kernel import Signals, block, slots
 from fmus.clip import clip
 from fmus.controllers.mpc_allocator.design_car import SLOWEST, design_car
 from fmus.controllers.mpc_allocator.horizon import PERIOD
@@ -13,12 +15,15 @@ from fmus.controllers.mpc_allocator.linearise import N_X
 from fmus.double_track import distribution
 
 
-def function() -> ca.Function:
-    """(p, x (7), accelerations (2), motors (4), forces before (4), command before, Ts)
-    -> low, high of u at once (3 x 2) and later (3 x 2), step of u per node (3), low, high of the wheels now (4 x 2).
+@block(p=slots(INTERFACE, "parameter"), x=N_X, a=2, available=4, U=4, command=1, Ts=1)
+def limits(p: Signals, x: ca.SX, a: ca.SX, available: ca.SX, U: ca.SX, command: ca.SX, Ts: ca.SX) -> tuple[ca.SX, ...]:
+    """Low, high of u at once (3 x 2) and later (3 x 2), step of u per node (3), low, high of the wheels now (4 x 2).
+
+    a          accelerations behind the wheel loads [m/s2]
+    available  motors, 1 for a sound one
+    U          forces of the wheels before [N]
+    command    steering angle asked for before [rad]
     """
-    p, x, a = symbols(INTERFACE, "parameter"), ca.SX.sym("x", N_X), ca.SX.sym("a", 2)
-    available, U, command, Ts = ca.SX.sym("available", 4), ca.SX.sym("U", 4), ca.SX.sym("command"), ca.SX.sym("Ts")
     motors, car = distribution.limits_of(p), design_car(p)
     slow = ca.vertcat(x[:2], ca.fmax(x[2], SLOWEST), x[3:])
     _, F_z, F_t = distribution.without_drive(car, slow, a)
@@ -29,10 +34,9 @@ def function() -> ca.Function:
     first = ca.horzcat(*(ca.vertcat(angle, sides(force)) for angle, force in zip(reach, now, strict=True)))
     later = ca.horzcat(*(ca.vertcat(sign * end, sides(force)) for sign, force in zip((-1, 1), whole, strict=True)))
     step = PERIOD * ca.vertcat(turn, sides(motors.rate * available))
-    arguments = [p.column, x, a, available, U, command, Ts]
-    return ca.Function("limits", arguments, ca.cse([first, later, step, ca.horzcat(*now)]))
+    return tuple(ca.cse([first, later, step, ca.horzcat(*now)]))
 
 
-def sides(wheels: Column) -> Column:
+def sides(wheels: Any) -> Any:
     """Sum over the left and over the right wheels (2)."""
     return ca.vertcat(wheels[0] + wheels[2], wheels[1] + wheels[3])

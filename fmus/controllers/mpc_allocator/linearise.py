@@ -15,7 +15,7 @@ from collections.abc import Callable
 
 import casadi as ca
 
-from fmukit.kernel import symbols
+from fmukit.kernel import Signals, block, slots
 from fmus.cars.double_track import DoubleTrackCar
 from fmus.clip import clip
 from fmus.controllers.mpc_allocator import inversion
@@ -28,14 +28,13 @@ from fmus.single_track.forces import STATES
 N_X, N_U = len(STATES), len(INPUTS)
 _LARGEST = ca.DM([0.2, 0.2, 1e4])  # rad, rad, N: of steady sideslip, steering angle and force of a side
 _ROUNDS = 3
-Rate = Callable[[ca.SX, ca.SX], ca.SX]
+CarRate = Callable[[ca.SX, ca.SX], ca.SX]
 """(e, w) -> x' (7)."""
 
 
-def function() -> ca.Function:
-    """(p, node, next node, d (6)) -> Phi (7 x 7), Gamma (7 x 3), c (7), u_r (3), steady errors (7), steady w (3)."""
-    p = symbols(INTERFACE, "parameter")
-    node, after, d = ca.SX.sym("node", len(NODE)), ca.SX.sym("after", len(NODE)), ca.SX.sym("d", N_X - 1)
+@block(p=slots(INTERFACE, "parameter"), node=len(NODE), after=len(NODE), d=N_X - 1)
+def predicted(p: Signals, node: ca.SX, after: ca.SX, d: ca.SX) -> tuple[ca.SX, ...]:
+    """Phi (7 x 7), Gamma (7 x 3), c (7), u_r (3), steady errors (7), steady w (3) from a node to the next, `after`."""
     car, lag = design_car(p), p["actuator.steer_lag"]
     u_r = reference_input(car, lag, node, after)
     A, B = jacobians(car, lag, node, after, u_r)
@@ -49,8 +48,7 @@ def function() -> ca.Function:
     e, w = target(f, A, B, node[3], d)
     c = passing(car, lag, (node, after), u_r + w, e, d) - Phi @ e - Gamma @ w
     c[6] = 0  # known exactly
-    found = [Phi, Gamma, ca.densify(c), u_r, e, w]
-    return ca.Function("linearise", [p.column, node, after, d], ca.cse(found))
+    return tuple(ca.cse([Phi, Gamma, ca.densify(c), u_r, e, w]))
 
 
 def state(node: ca.SX) -> ca.SX:
@@ -104,7 +102,7 @@ def turned(vector: ca.SX, angle: ca.SX) -> ca.SX:
     return ca.vertcat(c * vector[0] + s * vector[1], c * vector[1] - s * vector[0])
 
 
-def target(f: Rate, A: ca.SX, B: ca.SX, v: ca.SX, d: ca.SX) -> tuple[ca.SX, ca.SX]:
+def target(f: CarRate, A: ca.SX, B: ca.SX, v: ca.SX, d: ca.SX) -> tuple[ca.SX, ca.SX]:
     """Errors (7) and inputs (3) at rest under the disturbance d (6), with e_s = e_n = 0 and equal sides.
 
     e_v = -d_s, e_omega = -d_psi and e_psi = -d_n/v - e_beta; sideslip, steering angle and force solve the rows v',

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from fmukit.kernel import Signals
 from fmus.clip import clip
 from fmus.controllers.bus import PREVIEW, PREVIEW_PERIOD, SAMPLE
-from fmus.controllers.mpc_allocator.interface import INTERFACE
 from fmus.controllers.reference.playback import lookup
 
 PAST = 400
@@ -27,7 +27,6 @@ FASTEST = 2.0
 """Largest pace."""
 SEEN = PREVIEW * PREVIEW_PERIOD
 """Length of the preview [s]."""
-_INPUTS = INTERFACE.names("input")
 _LONGEST = 1.0  # s between two samples kept
 _MISFIT = 0.05  # m: between two samples kept, the mean of their speeds tells the distance so well
 _SLOWEST = 1.0  # m/s, below it the reference keeps its times
@@ -47,9 +46,9 @@ class Passage:
     end: ca.MX
 
 
-def now(u: ca.MX) -> ca.MX:
+def now(u: Signals) -> ca.MX:
     """The present sample (6) of the bus."""
-    return ca.vertcat(*(u[_INPUTS.index(f"reference.{name}")] for name in SAMPLE))
+    return u.vector("reference", SAMPLE)
 
 
 def straight(sample: ca.MX) -> ca.MX:
@@ -85,18 +84,17 @@ def _joined(left: ca.MX, right: ca.MX) -> ca.MX:
     return (way <= SPACING) * (time <= _LONGEST) * (ca.fabs(misfit) <= _MISFIT)
 
 
-def along(u: ca.MX, past: ca.MX, passage: Passage, times: ca.MX) -> ca.MX:
+def along(u: Signals, past: ca.MX, passage: Passage, times: ca.MX) -> ca.MX:
     """The reference (6 x times) as it is gone through, `times` [s] from now."""
-    rows, ahead = PAST + PREVIEW + 1, [PREVIEW_PERIOD * k for k in range(PREVIEW + 1)]
+    ahead = [PREVIEW_PERIOD * k for k in range(PREVIEW + 1)]
     columns = [ca.vertcat(past[0, :].T, ca.DM(ahead))]
     for i, name in enumerate(SAMPLE):
         names = [f"reference.{name}", *(f"preview[{k}].{name}" for k in range(1, PREVIEW + 1))]
-        columns.append(ca.vertcat(past[i + 1, :].T, u[[_INPUTS.index(given) for given in names]]))
+        columns.append(ca.vertcat(past[i + 1, :].T, u.pick(names)))
     pace, b = passage.pace, passage.braking
     t = ca.fmin(times, pace / ca.fmax(b, _LEAST))
-    found = lookup(times.numel(), rows)(
-        ca.vertcat(*columns), ca.vertcat(past[0, 0], passage.end), passage.start + pace * t - 0.5 * b * t**2
-    )
+    ends = ca.vertcat(past[0, 0], passage.end)
+    found = lookup(ca.vertcat(*columns), ends, passage.start + pace * t - 0.5 * b * t**2)
     paces = ca.fmax(pace - b * times, 0).T
     speed, acceleration = found[3, :], found[4, :] * paces**2 - found[3, :] * b * (paces > 0)
     return ca.vertcat(found[:3, :], speed * paces, acceleration, found[5, :])

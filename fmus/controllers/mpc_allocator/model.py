@@ -4,22 +4,18 @@ from __future__ import annotations
 
 import casadi as ca
 
-from fmukit.kernel import Kernel, Layout, sampled_kernel, stack
+from fmukit.kernel import Kernel, Parts, Signals, named, sampled_kernel
 from fmus.cars.wheels import WHEELS
+from fmus.clip import clip
 from fmus.controllers.mpc_allocator import limits, observe, plan, programs, states, tracking_qp
 from fmus.controllers.mpc_allocator.horizon import NODES
 from fmus.controllers.mpc_allocator.interface import INTERFACE
 from fmus.controllers.mpc_allocator.linearise import N_U
-from fmus.controllers.mpc_allocator.programs import parameter
 from fmus.controllers.mpc_allocator.states import STATES
 from fmus.controllers.mpc_allocator.trajectory import reference
 
-DERIVED = Layout()
-Values = dict[str, ca.MX]
-_INPUTS = INTERFACE.names("input")
-_OUTPUTS = INTERFACE.names("output")
 _BUS, _ESTIMATE, _MOTORS = (
-    [slot for slot, name in enumerate(_INPUTS) if name.startswith(groups)]
+    [name for name in INTERFACE.names("input") if name.startswith(groups)]
     for groups in (("reference.", "preview["), ("estimate.",), ("motor_available.",))
 )
 _STANDING = 0.01  # m/s: the estimate of a car this slow need not change
@@ -29,52 +25,33 @@ _ABSURD = 1e9  # beyond it a number on an input is no measurement
 def kernel() -> Kernel:
     """The kernel; every sample solves the prediction's program, then the distribution's."""
     return sampled_kernel(
-        INTERFACE,
-        states=STATES,
-        derived=DERIVED,
-        initialise=_initialise(),
-        step=_step(),
-        solvers=programs.solvers(),
+        INTERFACE, states=STATES, initialise=initialise, sample=sample, symbol=ca.MX, solvers=programs.solvers()
     )
 
 
-def _initialise() -> ca.Function:
-    arguments = [*_arguments(), ca.MX.sym("w", 0), ca.MX.sym("table", 0), ca.MX.sym("rows")]
-    return ca.Function("initialise", arguments, [ca.MX(0, 1), states.start(), ca.MX.zeros(len(_OUTPUTS))])
+def initialise() -> tuple[Parts, Parts, Parts]:
+    """Nothing is asked for before the first sample."""
+    return {}, states.start(), {}
 
 
-def _step() -> ca.Function:
-    p, u = _arguments()
-    d, x = ca.MX.sym("d", 0), ca.MX.sym("x", STATES.size)
-    after, y = sample(p, u, STATES.split(x))
-    arguments = [p, d, u, x, ca.MX.sym("w", 0), ca.MX.sym("t")]
-    return ca.Function("step", arguments, [STATES.join(after), stack(_OUTPUTS, y)])
-
-
-def _arguments() -> tuple[ca.MX, ca.MX]:
-    return ca.MX.sym("p", len(INTERFACE.names("parameter"))), ca.MX.sym("u", len(_INPUTS))
-
-
-def sample(p: ca.MX, u: ca.MX, x: Values) -> tuple[Values, Values]:
+def sample(p: Signals, u: Signals, x: Parts) -> tuple[Parts, Parts]:
     """States and outputs of one sample."""
-    get = parameter(p)
-    Ts, timeout = get("sample_period"), get("trajectory.timeout")
-    finite = ca.fabs(u) <= _ABSURD
-    u = ca.if_else(finite, u, 0)
-    routed, sighted, told = (ca.mmin(finite[slots]) for slots in (_BUS, _ESTIMATE, _MOTORS))
+    finite = u.over(ca.fabs(u.column) <= _ABSURD)
+    u = u.over(ca.if_else(finite.column, u.column, 0))
+    routed, sighted, told = (ca.mmin(finite.pick(names)) for names in (_BUS, _ESTIMATE, _MOTORS))
     usable = routed * sighted * told
     ref = reference(p, u, x, routed)
     seen, e, near = _observe(p, u, x, ref.nodes[:, 0], (routed, sighted, usable))
-    seen["motors"] = ca.if_else(told, u[_MOTORS], x["motors"])
+    seen["motors"] = ca.if_else(told, u.pick(_MOTORS), x["motors"])
     car, wheels = seen["car"], (x["acceleration"], seen["motors"], x["forces"])
-    first, later, step, reach = limits.function()(p, car, *wheels, x["command"], Ts)
+    first, later, step, reach = limits.limits(p, car, *wheels, x["command"], p["sample_period"])
     u_r, found, tracking = programs.predict(p, x, ref.nodes, near, seen["disturbance"], (first, later, step))
-    fresh = (ref.age <= timeout) * (seen["estimate_age"] <= get("estimate.timeout"))
+    fresh = (ref.age <= p["trajectory.timeout"]) * (seen["estimate_age"] <= p["estimate.timeout"])
     good = usable * fresh * ref.known * tracking.good
     braking = 1 - good * (1 - ref.lost)
     before = ca.reshape(x["plan"], N_U, NODES)
-    kept, wanted, alone = plan.function()(p, found, good, before, x["alone"], x["command"], car[2], Ts)
-    steer = ca.fmin(ca.fmax(wanted[0], first[0, 0]), first[0, 1])
+    kept, wanted, alone = plan.follow(p, found, good, before, x["alone"], x["command"], car[2])
+    steer = clip(wanted[0], first[0, 0], first[0, 1])
     U, missed, shares = programs.distribute(p, x, wanted, car[6], reach)
     after = {
         **ref.states,
@@ -88,13 +65,15 @@ def sample(p: ca.MX, u: ca.MX, x: Values) -> tuple[Values, Values]:
         **_starts(tracking, shares),
     }
     y = {
-        **_of("wheel_torque", WHEELS, get("design.wheel.radius") * U),
+        **named("wheel_torque", WHEELS, p["design.wheel.radius"] * U),
         "command.steer_angle": steer,
-        **_of("error", ("longitudinal", "lateral", "speed", "course"), ca.vertcat(e[:3], e[3] + e[4])),
+        **named("error", ("longitudinal", "lateral", "speed", "course"), ca.vertcat(e[:3], e[3] + e[4])),
         "demand.force_x": wanted[1] + wanted[2],
-        "demand.moment_z": get("design.geometry.half_track") * (wanted[2] - wanted[1]),
-        **_of("residual", ("force_x", "force_y", "moment_z"), missed),
-        **_of("disturbance", ("longitudinal", "lateral", "speed", "sideslip", "yaw", "yaw_rate"), after["disturbance"]),
+        "demand.moment_z": p["design.geometry.half_track"] * (wanted[2] - wanted[1]),
+        **named("residual", ("force_x", "force_y", "moment_z"), missed),
+        **named(
+            "disturbance", ("longitudinal", "lateral", "speed", "sideslip", "yaw", "yaw_rate"), after["disturbance"]
+        ),
         **_told("solver", tracking),
         **_told("allocation", shares),
         "fallback.active": braking,
@@ -106,23 +85,21 @@ def sample(p: ca.MX, u: ca.MX, x: Values) -> tuple[Values, Values]:
     return after, y | {"solver.status": usable * tracking.status}
 
 
-def _observe(p: ca.MX, u: ca.MX, x: Values, node: ca.MX, told: tuple[ca.MX, ...]) -> tuple[Values, ca.MX, ca.MX]:
+def _observe(p: Signals, u: Signals, x: Parts, node: ca.MX, told: tuple[ca.MX, ...]) -> tuple[Parts, ca.MX, ca.MX]:
     """States of the car, errors and limited errors; `told`: are the bus, the estimate, all inputs usable.
 
     Without a usable bus the errors are those before.
     """
     routed, sighted, usable = told
-    get = parameter(p)
-    estimate, elapsed = u[_ESTIMATE], x["estimate_age"] + get("sample_period")
-    moving = ca.sumsqr(ca.vertcat(*(u[_INPUTS.index(f"estimate.velocity.{axis}")] for axis in "xy"))) > _STANDING**2
+    estimate, elapsed = u.pick(_ESTIMATE), x["estimate_age"] + p["sample_period"]
+    moving = ca.sumsqr(u.vector("estimate.velocity", "xy")) > _STANDING**2
     new = sighted * (1 - ca.mmin(estimate == x["estimate"]) * moving * x["started"])
-    before = (x["car"], x["forces"], x["acceleration"], x["command"], x["disturbance"])
-    flags = (new, x["known"] * usable * new, get("sample_period"), elapsed)
-    car, e, near, d, acceleration = observe.function()(p, u, node, *before, *flags)
+    then = {name: x[name] for name in observe.THEN.sizes}
+    car, e, near, d, acceleration = observe.observed(p, u, node, then, new, x["known"] * usable * new, elapsed)
     age = ca.if_else(new, 0, ca.fmin(elapsed, _ABSURD))
     seen = {
         "car": car,
-        "known": usable * (age <= get("estimate.timeout")),
+        "known": usable * (age <= p["estimate.timeout"]),
         "estimate": ca.if_else(new, estimate, x["estimate"]),
         "estimate_age": age,
         "disturbance": d,
@@ -132,7 +109,7 @@ def _observe(p: ca.MX, u: ca.MX, x: Values, node: ca.MX, told: tuple[ca.MX, ...]
     return seen, seen["errors"], ca.if_else(usable, near, 0)
 
 
-def _starts(tracking: programs.Solved, shares: programs.Solved) -> Values:
+def _starts(tracking: programs.Solved, shares: programs.Solved) -> Parts:
     """Where the solvers start at the next sample."""
     return {
         "solution": tracking_qp.moved_on(tracking.x),
@@ -143,9 +120,5 @@ def _starts(tracking: programs.Solved, shares: programs.Solved) -> Values:
     }
 
 
-def _told(name: str, solved: programs.Solved) -> Values:
+def _told(name: str, solved: programs.Solved) -> Parts:
     return {f"{name}.status": solved.status, f"{name}.iterations": solved.iterations, f"{name}.time": solved.time}
-
-
-def _of(group: str, names: tuple[str, ...], values: ca.MX) -> Values:
-    return {f"{group}.{name}": value for name, value in zip(names, ca.vertsplit(values), strict=True)}

@@ -15,7 +15,8 @@ from __future__ import annotations
 
 import casadi as ca
 
-from fmukit.kernel import Signals, symbols
+from fmukit.kernel import Layout, Parts, Signals, block, slots
+from fmus.cars.rotation import wrap
 from fmus.clip import clip
 from fmus.controllers.mpc_allocator.design_car import SLOWEST, STANDSTILL, advance, design_car, wheel_rate
 from fmus.controllers.mpc_allocator.horizon import NODE
@@ -26,32 +27,42 @@ LARGEST_ERROR = ca.DM([5.0, 2.0, 10.0, 0.5, 0.8, 2.0, 0.6])
 """Errors beyond these (m, m, m/s, rad, rad, rad/s, rad) are taken as these: what is absurd stays solvable."""
 LARGEST_STATE = ca.DM([1e9, 1e9, 200.0, 1.6, 1e9, 50.0, 2.0])
 LARGEST_DISTURBANCE = ca.DM([2.0, 2.0, 5.0, 1.0, 1.0, 10.0])
+THEN = Layout(car=N_X, forces=4, acceleration=2, command=1, disturbance=N_X - 1)
+"""States at the sample before: x, wheel forces [N], accelerations [m/s2], steering command [rad], d."""
 _OUTLIER = 5.0  # of these: more is a jump of the estimate, nothing to learn from
 _SHORTEST = 0.02  # s: in less time an estimate may move as far as in this
 
 
-def function() -> ca.Function:
-    """(p, u, node, x before (7), forces (4), accelerations (2) and command then, d, sighted, learning, Ts,
-    time since the last estimate)
-    -> x (7), e (7), e within its limits (7), d, accelerations.
+@block(
+    p=slots(INTERFACE, "parameter"),
+    u=slots(INTERFACE, "input"),
+    node=len(NODE),
+    then=THEN,
+    sighted=1,
+    learning=1,
+    elapsed=1,
+)
+def observed(
+    p: Signals, u: Signals, node: ca.SX, then: Parts, sighted: ca.SX, learning: ca.SX, elapsed: ca.SX
+) -> tuple[ca.SX, ...]:
+    """x (7), e (7), e within its limits (7), d (6), accelerations (2) at a sample whose reference is at `node`.
 
-    Not `sighted`, x is what the model makes of the x before. `learning` is 0 to keep d. e_delta is the error of the
-    angle the steering has by its lag.
+    then      THEN
+    sighted   0: there is no new estimate, x is what the model makes of the x before
+    learning  0: d is kept
+    elapsed   time since the last estimate [s]
+
+    e_delta is the error of the angle the steering has by its lag.
     """
-    p, u = symbols(INTERFACE, "parameter"), symbols(INTERFACE, "input")
-    node, before, U = ca.SX.sym("node", len(NODE)), ca.SX.sym("before", N_X), ca.SX.sym("U", 4)
-    a, command, d = ca.SX.sym("a", 2), ca.SX.sym("command"), ca.SX.sym("d", N_X - 1)
-    sighted, learning = ca.SX.sym("sighted"), ca.SX.sym("learning")
-    Ts, elapsed = ca.SX.sym("Ts"), ca.SX.sym("elapsed")
-    car, lag = design_car(p), p["actuator.steer_lag"]
+    car, lag, U, d = design_car(p), p["actuator.steer_lag"], then["forces"], then["disturbance"]
     unexplained = ca.vertcat(turned(d[:2], -node[2]), d[2:], 0)
 
     def motion(state: ca.SX, _: float) -> ca.SX:
         return wheel_rate(car, state, U, loading(node))[0] + unexplained
 
-    guess = advance(motion, before, command, lag, Ts)
+    guess = advance(motion, then["car"], then["command"], lag, p["sample_period"])
     x = _limited(ca.if_else(sighted, measured(u, guess[6]), guess), LARGEST_STATE)
-    moving = ca.fmin(ca.fmax((x[2] - STANDSTILL) / (SLOWEST - STANDSTILL), 0), 1)
+    moving = clip((x[2] - STANDSTILL) / (SLOWEST - STANDSTILL), 0, 1)
     missed = path_frame(x - guess, node)[:6] / elapsed
     learnt = d + moving * p["integral.gain"] * missed
     jump = ca.fabs(missed) * elapsed / ca.fmax(elapsed, _SHORTEST)
@@ -59,9 +70,8 @@ def function() -> ca.Function:
     d_now = ca.if_else(ca.logic_and(learning, plausible), _limited(learnt, LARGEST_DISTURBANCE), d)
     d_now = ca.if_else(p["integral.gain"] > 0, d_now, 0)
     e = errors(x, node)
-    _, acceleration = wheel_rate(car, x, U, a)
-    arguments = [p.column, u.column, node, before, U, a, command, d, sighted, learning, Ts, elapsed]
-    return ca.Function("observe", arguments, ca.cse([x, e, _limited(e, LARGEST_ERROR), moving * d_now, acceleration]))
+    _, acceleration = wheel_rate(car, x, U, then["acceleration"])
+    return tuple(ca.cse([x, e, _limited(e, LARGEST_ERROR), moving * d_now, acceleration]))
 
 
 def measured(u: Signals, delta: ca.SX) -> ca.SX:
@@ -81,8 +91,7 @@ def errors(x: ca.SX, node: ca.SX) -> ca.SX:
 
 def path_frame(difference: ca.SX, node: ca.SX) -> ca.SX:
     """A difference of states with its position along and across the path and its yaw angle in (-pi, pi]."""
-    yaw = ca.atan2(ca.sin(difference[4]), ca.cos(difference[4]))
-    return ca.vertcat(turned(difference[:2], node[2]), difference[2:4], yaw, difference[5:])
+    return ca.vertcat(turned(difference[:2], node[2]), difference[2:4], wrap(difference[4]), difference[5:])
 
 
 def _limited(value: ca.SX, limit: ca.DM) -> ca.SX:

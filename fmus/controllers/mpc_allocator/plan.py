@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from fmukit.kernel import symbols
+from fmukit.kernel import Signals, block, slots
 from fmus.clip import clip
 from fmus.controllers.mpc_allocator.design_car import STANDSTILL, design_car
 from fmus.controllers.mpc_allocator.horizon import NODES, PERIOD
@@ -16,16 +16,19 @@ LENGTH = NODES * PERIOD
 _CREEP = 0.5  # m/s, below it braking fades with the speed, so that the car does not reverse
 
 
-def function() -> ca.Function:
-    """(p, found (3 x NODES), good, plan before (3 x NODES), time alone [s], command before, v, Ts)
-    -> plan (3 x NODES), u (3) wanted now, time alone.
+@block(p=slots(INTERFACE, "parameter"), found=(N_U, NODES), good=1, kept=(N_U, NODES), alone=1, command=1, v=1)
+def follow(
+    p: Signals, found: ca.SX, good: ca.SX, kept: ca.SX, alone: ca.SX, command: ca.SX, v: ca.SX
+) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """Plan (3 x NODES) as of the present sample, u (3) wanted now, and time without a plan found [s].
 
-    The plan is kept as of the present sample. Towards rest the steering follows the plan ever more slowly, and both
-    sides get the same force.
+    found    the plan just found, to be followed if it is `good`
+    kept     the plan before
+    alone    time without a plan found until the sample before [s]
+    command  steering angle asked for then [rad]
+    v        speed [m/s]: towards rest the steering follows the plan ever more slowly, and both sides get the same force
     """
-    p, found, kept = symbols(INTERFACE, "parameter"), ca.SX.sym("found", N_U, NODES), ca.SX.sym("kept", N_U, NODES)
-    good, alone, command = ca.SX.sym("good"), ca.SX.sym("alone"), ca.SX.sym("command")
-    v, Ts = ca.SX.sym("v"), ca.SX.sym("Ts")
+    Ts = p["sample_period"]
     plan = ca.if_else(good, found, moved_on(kept, Ts))
     without = ca.if_else(good, 0, ca.fmin(alone + Ts, 1e3))
     brake = -0.5 * design_car(p).planar.m * p["fallback.deceleration"] * clip(v / _CREEP, -1, 1)
@@ -33,8 +36,7 @@ def function() -> ca.Function:
     moving = clip(ca.fabs(v) / STANDSTILL, 0, 1)
     steer = command + moving * (wanted[0] - command)
     both, apart = 0.5 * (wanted[1] + wanted[2]), 0.5 * moving * (wanted[2] - wanted[1])
-    arguments = [p.column, found, good, kept, alone, command, v, Ts]
-    return ca.Function("follow", arguments, [plan, ca.vertcat(steer, both - apart, both + apart), without])
+    return plan, ca.vertcat(steer, both - apart, both + apart), without
 
 
 def moved_on(plan: ca.SX, Ts: ca.SX) -> ca.SX:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from fmukit.kernel import Layout
+from fmukit.kernel import Layout, Parts
 from fmus.controllers.bus import SAMPLE
 from fmus.controllers.mpc_allocator import memory, plan, tracking_qp
 from fmus.controllers.mpc_allocator.horizon import NODES
@@ -42,8 +42,6 @@ STATES = Layout(
 )
 
 
-def start() -> ca.MX:
-    """The states before the first sample: no plan to follow, all motors working."""
-    parts = {name: ca.MX.zeros(size) for name, size in STATES.sizes.items()}
-    parts |= {"alone": ca.MX(plan.LENGTH), "motors": ca.MX.ones(4), "pace": ca.MX(1)}
-    return STATES.join(parts)
+def start() -> Parts:
+    """The states before the first sample, but for zeros: no plan to follow, all motors working."""
+    return {"alone": plan.LENGTH, "motors": ca.DM.ones(4), "pace": 1.0}

@@ -15,11 +15,11 @@ The first node's rate is in low_0, high_0. Holding u within its bounds is always
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import accumulate
 
 import casadi as ca
 
+from fmukit.kernel import Block, Parts, block
 from fmus.controllers.mpc_allocator.horizon import NODES
 from fmus.controllers.mpc_allocator.linearise import N_U, N_X
 
@@ -31,53 +31,34 @@ _BLOCK = N_U + N_X + 1
 SIZE, ROWS = NODES * _BLOCK, NODES * (N_X + N_U + 1) + (NODES - 1) * N_U
 
 
-@dataclass(frozen=True, slots=True)
-class Pattern:
-    """Upper triangle of P and A of the program, and the function that fills their nonzeros."""
+def program(Phi: ca.Sparsity, Gamma: ca.Sparsity) -> Block:
+    """The program for matrices Phi (7 x 7) and Gamma (7 x 3) of these patterns.
 
-    P: ca.Sparsity
-    A: ca.Sparsity
-    numbers: ca.Function
-
-
-@dataclass(frozen=True, slots=True)
-class _Data:
-    """Symbols of one sample; matrices of all nodes side by side."""
-
-    Phi: list[ca.SX]
-    Gamma: list[ca.SX]
-    c: ca.SX
-    u_r: ca.SX
-    e_steady: ca.SX
-    w_steady: ca.SX
-    e: ca.SX
-    w: ca.SX
-    first: ca.SX
-    bounds: ca.SX
-    step: ca.SX
-    weights: ca.SX
-
-    def arguments(self) -> list[ca.SX]:
-        """In the order of `numbers`."""
-        together = [ca.horzcat(*self.Phi), ca.horzcat(*self.Gamma)]
-        rest = (self.c, self.u_r, self.e_steady, self.w_steady, self.e, self.w, self.first, self.bounds, self.step)
-        return [*together, *rest, self.weights]
-
-
-def pattern(Phi: ca.Sparsity, Gamma: ca.Sparsity) -> Pattern:
-    """The program for matrices of these patterns.
-
-    `numbers`: (Phi (7 x 7 NODES), Gamma (7 x 3 NODES), c (7 x NODES), u_r (3 x NODES), e* (7 x NODES), w* (3 x NODES),
-    e now (7), w before (3), low and high at the first node (3 x 2), low and high after it (3 x 2), step (3), weights
-    (of e 7, terminal factor, of w 3, of its change 3, of the excess, half width of the corridor))
-    -> (P_nz, q, A_nz, l, u).
+    Its arguments are, side by side for all nodes where a node has its own: Phi, Gamma, c, u_r, e*, w*; e now, w before;
+    low and high at the first node and after it (3 x 2 each); step (3); weights (of e 7, terminal factor, of w 3, of its
+    change 3, of the excess, half width of the corridor). It gives (P, q, A, l, u), of P the upper triangle.
     """
-    data = _symbols(Phi, Gamma)
-    P, q = _cost(data)
-    A, low, high = _rows(data)
-    found = [P.nz[:], q, A.nz[:], low, high]
-    numbers = ca.Function("numbers", data.arguments(), [ca.densify(value) for value in found])
-    return Pattern(P.sparsity(), A.sparsity(), numbers)
+
+    @block(
+        Phi=ca.repmat(Phi, 1, NODES),
+        Gamma=ca.repmat(Gamma, 1, NODES),
+        c=(N_X, NODES),
+        u_r=(N_U, NODES),
+        e_steady=(N_X, NODES),
+        w_steady=(N_U, NODES),
+        e=N_X,
+        w=N_U,
+        first=(N_U, 2),
+        bounds=(N_U, 2),
+        step=N_U,
+        weights=N_X + 1 + 2 * N_U + 2,
+    )
+    def numbers(**data: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX, ca.SX]:
+        P, q = _cost(data)
+        A, low, high = _rows(data)
+        return P, ca.densify(q), A, ca.densify(low), ca.densify(high)
+
+    return numbers
 
 
 def inputs(solution: ca.MX, u_r: ca.MX) -> ca.MX:
@@ -97,29 +78,9 @@ def multipliers_moved_on(multipliers: ca.MX) -> ca.MX:
     return ca.vertcat(nodes[per_node:], nodes[-per_node:], rates[N_U:], rates[-N_U:])
 
 
-def _symbols(Phi: ca.Sparsity, Gamma: ca.Sparsity) -> _Data:
-    def wide(name: str, rows: int) -> ca.SX:
-        return ca.SX.sym(name, rows, NODES)
-
-    return _Data(
-        Phi=[ca.SX.sym(f"Phi{k}", Phi) for k in range(NODES)],
-        Gamma=[ca.SX.sym(f"Gamma{k}", Gamma) for k in range(NODES)],
-        c=wide("c", N_X),
-        u_r=wide("u_r", N_U),
-        e_steady=wide("e_steady", N_X),
-        w_steady=wide("w_steady", N_U),
-        e=ca.SX.sym("e", N_X),
-        w=ca.SX.sym("w", N_U),
-        first=ca.SX.sym("first", N_U, 2),
-        bounds=ca.SX.sym("bounds", N_U, 2),
-        step=ca.SX.sym("step", N_U),
-        weights=ca.SX.sym("weights", N_X + 1 + 2 * N_U + 2),
-    )
-
-
-def _cost(data: _Data) -> tuple[ca.SX, ca.SX]:
+def _cost(data: Parts) -> tuple[ca.SX, ca.SX]:
     """Upper triangle of P and q; 1/2 z'Pz + q'z is half the sum above, but for a constant."""
-    Q, terminal, R, S, rho = ca.vertsplit(data.weights[:-1], list(accumulate((0, N_X, 1, N_U, N_U, 1))))
+    Q, terminal, R, S, rho = ca.vertsplit(data["weights"][:-1], list(accumulate((0, N_X, 1, N_U, N_U, 1))))
     Q, R, S = Q * UNIT_E**2, R * UNIT_W**2, S * UNIT_W**2
     P, q = ca.SX(SIZE, SIZE), list[ca.SX]()
     for k in range(NODES):
@@ -131,27 +92,28 @@ def _cost(data: _Data) -> tuple[ca.SX, ca.SX]:
         if not last:
             for i in range(N_U):
                 P[start + i, start + _BLOCK + i] = -S[i]
-        w_pull = R * data.w_steady[:, k] / UNIT_W + (S * data.w / UNIT_W if k == 0 else 0)
-        q += [-w_pull, -Q * at_end * data.e_steady[:, k] / UNIT_E, ca.SX(0)]
+        w_pull = R * data["w_steady"][:, k] / UNIT_W + (S * data["w"] / UNIT_W if k == 0 else 0)
+        q += [-w_pull, -Q * at_end * data["e_steady"][:, k] / UNIT_E, ca.SX(0)]
     return P, ca.vertcat(*q)
 
 
-def _rows(data: _Data) -> tuple[ca.SX, ca.SX, ca.SX]:
+def _rows(data: Parts) -> tuple[ca.SX, ca.SX, ca.SX]:
     """A, l, u: per node the prediction, the inputs, the corridor; then the rates."""
-    half_width = data.weights[-1]
+    half_width = data["weights"][-1]
+    Phi, Gamma = ca.horzsplit(data["Phi"], N_X), ca.horzsplit(data["Gamma"], N_U)
     A, row = ca.SX(ROWS, SIZE), 0
     low, high = list[ca.SX](), list[ca.SX]()
     for k in range(NODES):
         start = k * _BLOCK
         before = start - _BLOCK + N_U
-        A[row : row + N_X, start : start + N_U] = ca.diag(1 / UNIT_E) @ data.Gamma[k] @ ca.diag(UNIT_W)
+        A[row : row + N_X, start : start + N_U] = ca.diag(1 / UNIT_E) @ Gamma[k] @ ca.diag(UNIT_W)
         A[row : row + N_X, start + N_U : start + N_U + N_X] = -ca.SX.eye(N_X)
-        carried = data.Phi[k] @ data.e if k == 0 else ca.SX.zeros(N_X)
+        carried = Phi[k] @ data["e"] if k == 0 else ca.SX.zeros(N_X)
         if k:
-            A[row : row + N_X, before : before + N_X] = ca.diag(1 / UNIT_E) @ data.Phi[k] @ ca.diag(UNIT_E)
-        constant = -(data.c[:, k] + carried) / UNIT_E
-        limits = data.bounds if k else data.first
-        w_low, w_high = ((limits[:, j] - data.u_r[:, k]) / UNIT_W for j in range(2))
+            A[row : row + N_X, before : before + N_X] = ca.diag(1 / UNIT_E) @ Phi[k] @ ca.diag(UNIT_E)
+        constant = -(data["c"][:, k] + carried) / UNIT_E
+        limits = data["bounds"] if k else data["first"]
+        w_low, w_high = ((limits[:, j] - data["u_r"][:, k]) / UNIT_W for j in range(2))
         A[row + N_X : row + N_X + N_U, start : start + N_U] = ca.SX.eye(N_U)
         A[row + N_X + N_U, start + N_U + 1] = 1
         A[row + N_X + N_U, start + N_U + N_X] = -UNIT_S / UNIT_E[1]
@@ -161,8 +123,8 @@ def _rows(data: _Data) -> tuple[ca.SX, ca.SX, ca.SX]:
     for k in range(1, NODES):
         A[row : row + N_U, k * _BLOCK : k * _BLOCK + N_U] = ca.SX.eye(N_U)
         A[row : row + N_U, (k - 1) * _BLOCK : (k - 1) * _BLOCK + N_U] = -ca.SX.eye(N_U)
-        moved = data.u_r[:, k] - data.u_r[:, k - 1]
-        low.append((-data.step - moved) / UNIT_W)
-        high.append((data.step - moved) / UNIT_W)
+        moved = data["u_r"][:, k] - data["u_r"][:, k - 1]
+        low.append((-data["step"] - moved) / UNIT_W)
+        high.append((data["step"] - moved) / UNIT_W)
         row += N_U
     return A, ca.vertcat(*low), ca.vertcat(*high)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import casadi as ca
 
+from fmukit.kernel import Parts, Signals, choose
 from fmus.controllers.mpc_allocator import horizon, memory, plan
-from fmus.controllers.mpc_allocator.programs import parameter
 
 _STANDING = 0.01  # m/s: a reference this slow need not move
 _OLDEST = 1e6  # s
@@ -24,7 +25,7 @@ class Reference:
     age: ca.MX
     known: ca.MX
     lost: ca.MX
-    states: dict[str, ca.MX]
+    states: Parts
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,22 +39,21 @@ class _Kept:
     lost: ca.MX
 
 
-def reference(p: ca.MX, u: ca.MX, x: dict[str, ca.MX], usable: ca.MX) -> Reference:
+def reference(p: Signals, u: Signals, x: Parts, usable: ca.MX) -> Reference:
     """The reference for inputs u and states x."""
-    get = parameter(p)
-    Ts, gap = get("sample_period"), get("trajectory.gap")
+    Ts, gap = p["sample_period"], p["trajectory.gap"]
     bus = _kept(u, x, usable, Ts, gap)
-    begun, lost, read = bus.begun, bus.lost, ca.fmin(bus.age, get("trajectory.timeout"))
+    begun, lost, read = bus.begun, bus.lost, ca.fmin(bus.age, p["trajectory.timeout"])
     delay, e_s = begun * (x["delay"] + (1 - x["pace"]) * Ts), begun * x["errors"][0]
     delay = memory.delayed(delay, e_s, x["path_speed"], ca.if_else(lost, 0, gap))
     delay, known = memory.within(delay, bus.past, read, x["path_speed"], plan.LENGTH)
     pace = memory.pace(delay, x["car"][2], x["path_speed"], lost)
-    braking = lost * memory.braking(get("fallback.deceleration"), x["car"][2], x["path_speed"])
+    braking = lost * memory.braking(p["fallback.deceleration"], x["car"][2], x["path_speed"])
     end = ca.if_else(lost, bus.past[0, -1], memory.SEEN)
     count = 2 * horizon.NODES + 1
     path = memory.along(u, bus.past, memory.Passage(read - delay, pace, braking, end), horizon.times(Ts))
     path, ahead = path[:, :count], path[:, count:]
-    z = ca.if_else(begun, x["zero_dynamics"], horizon.steady(p, path))
+    z = ca.if_else(begun, x["zero_dynamics"], horizon.steady(p, path[:, 0]))
     found = {
         "started": ca.MX(1),
         "past": ca.vec(bus.past),
@@ -63,12 +63,12 @@ def reference(p: ca.MX, u: ca.MX, x: dict[str, ca.MX], usable: ca.MX) -> Referen
         "path_speed": path[3, 0] / pace,
         "zero_dynamics": horizon.later(p, z, path, ahead, Ts),
     }
-    kept = {name: ca.if_else(usable, value, x[name]) for name, value in found.items()}
+    kept = choose(usable, found, x)
     states = kept | {"age": bus.age, "bus": bus.bus}
     return Reference(horizon.reference(p, z, path), bus.age, known, kept["lost"], states)
 
 
-def _kept(u: ca.MX, x: dict[str, ca.MX], usable: ca.MX, Ts: ca.MX, gap: ca.MX) -> _Kept:
+def _kept(u: Signals, x: Parts, usable: ca.MX, Ts: ca.MX, gap: ca.MX) -> _Kept:
     """Time since the bus last moved, its sample then, and the memory of those before.
 
     The memory is kept as it is, and the bus is lost, when its next sample would take the place of one that the car
@@ -79,7 +79,7 @@ def _kept(u: ca.MX, x: dict[str, ca.MX], usable: ca.MX, Ts: ca.MX, gap: ca.MX) -
     begun = x["started"] * (1 - found)
     same = ca.mmin(sample == x["bus"]) * (sample[3] > _STANDING) * begun
     moved = usable * (1 - same)
-    past = ca.reshape(x["past"], memory.ROW, memory.PAST)
+    past: Any = ca.reshape(x["past"], memory.ROW, memory.PAST)
     longer, dropped = memory.remembered(past, x["bus"], elapsed)
     passed = longer[0, 0] <= -x["delay"] - _SPARE
     lost = begun * ca.logic_or(x["lost"], moved * dropped * (1 - passed))

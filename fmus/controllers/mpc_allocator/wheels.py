@@ -4,38 +4,39 @@ from __future__ import annotations
 
 import casadi as ca
 
-from fmukit.kernel import Signals, symbols
+from fmukit.kernel import Signals, block, slots
+from fmus.clip import clip
 from fmus.controllers.mpc_allocator.design_car import design_car
 from fmus.controllers.mpc_allocator.interface import INTERFACE
 from fmus.controllers.mpc_allocator.linearise import N_U
 from fmus.double_track import distribution
 
 
-def program() -> ca.Function:
-    """(p, u (3), delta, forces before (4), low and high of the wheels (4 x 2)) -> P_nz, q, A_nz, l, u."""
-    p, u, delta = symbols(INTERFACE, "parameter"), ca.SX.sym("u", N_U), ca.SX.sym("delta")
-    U, reach = ca.SX.sym("U", 4), ca.SX.sym("reach", 4, 2)
-    G = distribution.effectiveness(design_car(p), delta)
-    found = distribution.problem(
-        G, 0, wanted(p, u, delta), previous=U, low=reach[:, 0], high=reach[:, 1], weights=distribution.weights_of(p)
-    )
-    arguments = [p.column, u, delta, U, reach]
-    return ca.Function("program", arguments, [ca.densify(ca.SX(value)) for value in found])
+@block(p=slots(INTERFACE, "parameter"), u=N_U, delta=1, previous=4, reach=(4, 2))
+def program(p: Signals, u: ca.SX, delta: ca.SX, previous: ca.SX, reach: ca.SX) -> tuple[ca.SX, ...]:
+    """P_nz, q, A_nz, l, u of the program for the forces u of both sides at the steering angle delta.
+
+    previous  forces of the wheels before [N]
+    reach     lowest and highest force of each wheel now [N]
+    """
+    low, high = ca.horzsplit(reach)
+    G, weights = distribution.effectiveness(design_car(p), delta), distribution.weights_of(p)
+    y = wanted(p, u, delta)
+    found = distribution.problem(G, 0, y, previous=previous, low=low, high=high, weights=weights)
+    return tuple(ca.densify(ca.SX(value)) for value in found)
 
 
-def result() -> ca.Function:
-    """(p, u (3), delta, solution [kN], solved, low and high (4 x 2)) -> forces (4) [N] within reach, residual (3).
+@block(p=slots(INTERFACE, "parameter"), u=N_U, delta=1, solution=4, solved=1, reach=(4, 2))
+def result(p: Signals, u: ca.SX, delta: ca.SX, solution: ca.SX, solved: ca.SX, reach: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Forces (4) [N] within reach and what they miss (3), from the solution [kN], which counts if it is `solved`.
 
     Without a solution each side is shared equally.
     """
-    p, u, delta = symbols(INTERFACE, "parameter"), ca.SX.sym("u", N_U), ca.SX.sym("delta")
-    solution, solved, reach = ca.SX.sym("solution", 4), ca.SX.sym("solved"), ca.SX.sym("reach", 4, 2)
     equal = 0.5 * ca.vertcat(u[1], u[2], u[1], u[2])
     U = ca.if_else(solved, distribution.N * solution, equal)
-    U = ca.fmin(ca.fmax(U, reach[:, 0]), reach[:, 1])
+    U = clip(U, reach[:, 0], reach[:, 1])
     G = distribution.effectiveness(design_car(p), delta)
-    missed = distribution.residual(G, 0, wanted(p, u, delta), U)
-    return ca.Function("result", [p.column, u, delta, solution, solved, reach], [U, missed])
+    return U, distribution.residual(G, 0, wanted(p, u, delta), U)
 
 
 def wanted(p: Signals, u: ca.SX, delta: ca.SX) -> ca.SX:

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import casadi as ca
 
-from fmukit.kernel import Signals
+from fmukit.integration import rk4
+from fmukit.kernel import Signals, block, slots
+from fmus.clip import clip
+from fmus.controllers.reference.interface import INTERFACE
 
 STEP = 0.01
 _SLOWEST = 1.0  # m/s; below it the lateral acceleration fades with the speed, so that the curvature stays bounded
@@ -13,13 +16,13 @@ _WEAVE = (1.0, -1.0, -1.0, 1.0)
 
 def blend(xi: ca.SX) -> ca.SX:
     """s(xi) = xi^3 (10 - 15 xi + 6 xi^2), 0 before 0 and 1 after 1; twice continuously differentiable."""
-    xi = ca.fmin(ca.fmax(xi, 0), 1)
+    xi = clip(xi, 0, 1)
     return xi**3 * (10 - 15 * xi + 6 * xi**2)
 
 
 def blend_integral(xi: ca.SX) -> ca.SX:
     """The integral of `blend` from 0 to xi."""
-    inside = ca.fmin(ca.fmax(xi, 0), 1)
+    inside = clip(xi, 0, 1)
     return inside**4 * (2.5 - 3 * inside + inside**2) + ca.fmax(xi - 1, 0)
 
 
@@ -52,35 +55,32 @@ def _lateral(p: Signals, t: ca.SX) -> ca.SX:
     return p["amplitude"] * (weave + p["turn.ratio"] * turn)
 
 
-def path(names: tuple[str, ...], rows: int) -> ca.Function:
-    """p -> (rows x 7) table of time, x, y, course, speed, acceleration, curvature every STEP.
+def path(p: Signals, rows: int) -> ca.MX:
+    """The table (rows x 7) of time, x, y, course, speed, acceleration, curvature every STEP.
 
     x' = v cos(course), y' = v sin(course), course' = v curvature by the classical Runge-Kutta method.
     """
-    p, t = ca.SX.sym("p", len(names)), ca.SX.sym("t")
-    at = ca.Function("motion", [p, t], [ca.vertcat(*motion(Signals(names, p), t))])
-    column = ca.MX.sym("p", len(names))
     half_steps = 2 * (rows - 1) + 1
     grid = ca.MX(ca.DM([0.5 * STEP * k for k in range(half_steps)]).T)
-    moves = at.map("motions", "serial", half_steps, [0], [])(column, grid)
+    moves = _moves.function.map("motions", "serial", half_steps, [0], [])(p.column, grid)
     begin, middle, end = moves[:, :-1:2], moves[:, 1::2], moves[:, 2::2]
-    start = ca.vertcat(*(column[names.index(f"initial.{name}")] for name in ("x", "y", "course")))
-    later = _advance().mapaccum("path", rows - 1)(start, begin, middle, end)
-    pose = ca.horzcat(start, later)
-    return ca.Function("manoeuvre", [column], [ca.vertcat(grid[:, ::2], pose, moves[:, ::2]).T])
+    start = p.vector("initial", ("x", "y", "course"))
+    later = _advance.function.mapaccum("path", rows - 1)(start, begin, middle, end)
+    return ca.vertcat(grid[:, ::2], ca.horzcat(start, later), moves[:, ::2]).T
 
 
-def _advance() -> ca.Function:
-    """One Runge-Kutta step of (x, y, course) from the motion at the beginning, middle and end of the step."""
-    pose = ca.SX.sym("pose", 3)
-    moves = [ca.SX.sym(f"motion{k}", 3) for k in range(3)]
+@block(p=slots(INTERFACE, "parameter"), t=1)
+def _moves(p: Signals, t: ca.SX) -> ca.SX:
+    return ca.vertcat(*motion(p, t))
 
-    def rate(z: ca.SX, move: ca.SX) -> ca.SX:
-        v, curvature = move[0], move[2]
+
+@block(pose=3, begin=3, middle=3, end=3)
+def _advance(pose: ca.SX, begin: ca.SX, middle: ca.SX, end: ca.SX) -> ca.SX:
+    """(x, y, course) a STEP later, from the motion at the beginning, middle and end of the step."""
+    moves: dict[float, ca.SX] = {0.0: begin, 0.5: middle, 1.0: end}
+
+    def rate(z: ca.SX, part: float) -> ca.SX:
+        v, _, curvature = ca.vertsplit(moves[part])
         return ca.vertcat(v * ca.cos(z[2]), v * ca.sin(z[2]), v * curvature)
 
-    k1 = rate(pose, moves[0])
-    k2 = rate(pose + STEP / 2 * k1, moves[1])
-    k3 = rate(pose + STEP / 2 * k2, moves[1])
-    k4 = rate(pose + STEP * k3, moves[2])
-    return ca.Function("advance", [pose, *moves], [pose + STEP / 6 * (k1 + 2 * k2 + 2 * k3 + k4)])
+    return rk4(rate, pose, STEP)

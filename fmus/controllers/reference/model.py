@@ -4,42 +4,39 @@ from __future__ import annotations
 
 import casadi as ca
 
-from fmukit.kernel import Kernel, Layout, sampled_kernel
+from fmukit.kernel import Kernel, Layout, Parts, Signals, sampled_kernel
 from fmus.controllers.bus import PREVIEW, PREVIEW_PERIOD
 from fmus.controllers.reference.interface import COLUMNS, INTERFACE, ROWS
 from fmus.controllers.reference.manoeuvre import path
 from fmus.controllers.reference.playback import canonical, lookup
 
-STATES = Layout()
-DERIVED = Layout(table=ROWS * len(COLUMNS), ends=2)
-_PARAMETERS = INTERFACE.names("parameter")
+DERIVED = Layout(
+    table=ROWS * len(COLUMNS),  # column by column
+    ends=2,  # times of its first and last row [s]
+)
 _AHEAD = ca.DM([PREVIEW_PERIOD * k for k in range(PREVIEW + 1)])
 
 
 def kernel() -> Kernel:
-    """The kernel; d holds the table column by column and the times of its first and last row."""
-    return sampled_kernel(INTERFACE, states=STATES, derived=DERIVED, initialise=_initialise(), step=_step())
+    """The kernel; d holds the table."""
+    return sampled_kernel(INTERFACE, derived=DERIVED, initialise=initialise, sample=sample, symbol=ca.MX)
 
 
-def _initialise() -> ca.Function:
-    p, u, w = ca.MX.sym("p", len(_PARAMETERS)), ca.MX.sym("u", 0), ca.MX.sym("w", 0)
-    file, rows = ca.MX.sym("table", len(COLUMNS), ROWS), ca.MX.sym("rows")
-    from_file = canonical(file.T, rows)
-    table = ca.if_else(rows > 0, from_file, path(_PARAMETERS, ROWS)(p))
+def initialise(p: Signals, table: ca.MX, rows: ca.MX) -> tuple[Parts, Parts, ca.MX]:
+    """The table of the file, or without one that of the manoeuvre."""
+    chosen = ca.vec(ca.if_else(rows > 0, canonical(table.T, rows), path(p, ROWS)))
     last = ca.if_else(rows > 0, rows, ROWS) - 1
-    d = ca.vertcat(ca.vec(table), table[0, 0], ca.vec(table)[last])
-    return ca.Function("initialise", [p, u, w, file, rows], [d, ca.MX(0, 1), _outputs(d, ca.MX(0))])
+    d = {"table": chosen, "ends": ca.vertcat(chosen[0], chosen[last])}
+    return d, {}, outputs(d, ca.MX(0))
 
 
-def _step() -> ca.Function:
-    p, d, u = ca.MX.sym("p", len(_PARAMETERS)), ca.MX.sym("d", DERIVED.size), ca.MX.sym("u", 0)
-    x, w, t = ca.MX.sym("x", 0), ca.MX.sym("w", 0), ca.MX.sym("t")
-    return ca.Function("step", [p, d, u, x, w, t], [ca.MX(0, 1), _outputs(d, t)])
+def sample(d: Parts, t: ca.MX) -> tuple[Parts, ca.MX]:
+    """The trajectory as it is from time t [s] on."""
+    return {}, outputs(d, t)
 
 
-def _outputs(d: ca.MX, t: ca.MX) -> ca.MX:
+def outputs(d: Parts, t: ca.MX) -> ca.MX:
     """The trajectory bus in slot order: now with its yaw rate, then the preview."""
-    table, ends = ca.vertsplit(d, [0, ROWS * len(COLUMNS), DERIVED.size])
-    values = lookup(PREVIEW + 1, ROWS)(table, ends, t + _AHEAD)
+    values = lookup(d["table"], d["ends"], t + _AHEAD)
     now = values[:, 0]
     return ca.vertcat(now, now[3] * now[5], ca.vec(values[:, 1:]))

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import casadi as ca
 
+from fmukit.kernel import block
+from fmus.cars.rotation import wrap
+from fmus.clip import clip
 from fmus.controllers.reference.interface import COLUMNS
 
 _COUNT = len(COLUMNS)
@@ -17,33 +20,32 @@ def canonical(table: ca.MX, rows: ca.MX) -> ca.MX:
     time, course = table[:, 0], table[:, 3]
     unused = ca.DM(range(1, table.shape[0] + 1)) - rows
     steps = course[1:] - course[:-1]
-    wrapped = ca.atan2(ca.sin(steps), ca.cos(steps))
-    continuous = ca.vertcat(course[0], course[0] + ca.cumsum(wrapped))
+    continuous = ca.vertcat(course[0], course[0] + ca.cumsum(wrap(steps)))
     times = ca.if_else(unused > 0, time[ca.fmax(rows - 1, 0)] + unused, time)
     return ca.horzcat(times, table[:, 1:3], continuous, table[:, 4:])
 
 
-def lookup(times: int, rows: int) -> ca.Function:
-    """(table as a column, first and last time, times) -> (6 x times) x, y, course, speed, acceleration, curvature.
+def lookup(table: ca.MX, ends: ca.MX, t: ca.MX) -> ca.MX:
+    """x, y, course, speed, acceleration, curvature (6 x times) at the times t [s].
 
-    Before the first and after the last row the course and the speed are held: straight on.
+    table  the rows as one column, column by column
+    ends   first and last time [s] (2): before and after, course and speed are held, straight on
     """
-    table, ends, t = ca.MX.sym("table", rows * _COUNT), ca.MX.sym("ends", 2), ca.MX.sym("t", times)
-    inside = ca.fmin(ca.fmax(t, ends[0]), ends[1])
+    rows = table.numel() // _COUNT
+    inside = clip(t, ends[0], ends[1])
     index = ca.low(table[:rows], inside, {"lookup_mode": "binary"})
     left = [table[index + rows * column] for column in range(_COUNT)]
     right = [table[index + rows * column + 1] for column in range(_COUNT)]
     rows_of = [ca.horzcat(*columns).T for columns in (left, right)]
-    values = _between().map(times)(*rows_of, inside.T, (t - inside).T)
-    return ca.Function("lookup", [table, ends, t], [values])
+    return _between.function.map(t.numel())(*rows_of, inside.T, (t - inside).T)
 
 
-def _between() -> ca.Function:
-    """(row, next row, time between them, time outside the table) -> the six values of the trajectory.
+@block(left=_COUNT, right=_COUNT, t=1, beyond=1)
+def _between(left: ca.SX, right: ca.SX, t: ca.SX, beyond: ca.SX) -> ca.SX:
+    """The six values of the trajectory between two rows; `beyond` is the time [s] outside the table.
 
     Position by quintic, course and speed by cubic Hermite polynomials; acceleration and curvature linearly.
     """
-    left, right, t, beyond = ca.SX.sym("left", _COUNT), ca.SX.sym("right", _COUNT), ca.SX.sym("t"), ca.SX.sym("beyond")
     h = right[0] - left[0]
     xi = (t - left[0]) / h
     position = _quintic(xi, h, _position(left), _position(right))
@@ -52,8 +54,7 @@ def _between() -> ca.Function:
     acceleration, curvature = (left[j] + xi * (right[j] - left[j]) for j in (5, 6))
     straight = ca.vertcat(ca.cos(course), ca.sin(course)) * speed * beyond
     known = beyond == 0
-    values = ca.vertcat(position + straight, course, speed, known * acceleration, known * curvature)
-    return ca.Function("between", [left, right, t, beyond], [values])
+    return ca.vertcat(position + straight, course, speed, known * acceleration, known * curvature)
 
 
 def _position(row: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:

@@ -5,60 +5,51 @@ from __future__ import annotations
 import casadi as ca
 
 from fmukit.interface import AXES
-from fmukit.kernel import Kernel, Layout, Signals, sampled_kernel, symbols
+from fmukit.kernel import Kernel, Layout, Parts, Signals, named, sampled_kernel
 from fmus.sensors.imu.interface import INTERFACE
 
-STATES = Layout(gyroscope_bias=3, accelerometer_bias=3)
-DERIVED = Layout(gyroscope_scale=3, accelerometer_scale=3)
-_DEVICES = ("gyroscope", "accelerometer")
+BIAS = Layout(gyroscope=3, accelerometer=3)  # [rad/s, m/s2]
+SCALE = Layout(gyroscope=3, accelerometer=3)  # [1]
 
 
 def kernel() -> Kernel:
-    """The kernel; d holds the scale factors drawn at start, x the biases."""
-    return sampled_kernel(INTERFACE, states=STATES, derived=DERIVED, initialise=_initialise(), step=_step())
+    """The kernel; d holds the scale factors drawn at the start, x the biases."""
+    return sampled_kernel(INTERFACE, states=BIAS, derived=SCALE, initialise=initialise, sample=sample)
 
 
-def _initialise() -> ca.Function:
-    p, u, w = symbols(INTERFACE, "parameter"), symbols(INTERFACE, "input"), ca.SX.sym("w", INTERFACE.noise)
+def initialise(p: Signals, u: Signals, w: ca.SX) -> tuple[Parts, Parts, Parts]:
+    """Scale factors and turn-on biases as drawn; the first readings have no white noise."""
     draws = ca.vertsplit(w, 3)
-    x = {f"{name}_bias": p[f"{name}.turn_on_bias"] * draws[i] for i, name in enumerate(_DEVICES)}
-    d = {f"{name}_scale": 1 + p[f"{name}.scale_error"] * draws[2 + i] for i, name in enumerate(_DEVICES)}
-    y = _measure(p, d, x, _truth(p, u), {name: ca.SX.zeros(3) for name in _DEVICES})
-    arguments = [p.column, u.column, w, ca.SX.sym("table", 0), ca.SX.sym("rows")]
-    return ca.Function("initialise", arguments, [DERIVED.join(d), STATES.join(x), y])
+    bias = {name: p[f"{name}.turn_on_bias"] * draws[i] for i, name in enumerate(BIAS.sizes)}
+    scale = {name: 1 + p[f"{name}.scale_error"] * draws[2 + i] for i, name in enumerate(SCALE.sizes)}
+    return scale, bias, measure(p, u, scale, bias, {name: ca.SX.zeros(3) for name in BIAS.sizes})
 
 
-def _step() -> ca.Function:
-    p, u, w = symbols(INTERFACE, "parameter"), symbols(INTERFACE, "input"), ca.SX.sym("w", INTERFACE.noise)
-    d, x, t = DERIVED.symbol("d"), STATES.symbol("x"), ca.SX.sym("t")
-    T, draws, bias = p["sample_period"], ca.vertsplit(w, 3), STATES.split(x)
-    white = {name: p[f"{name}.noise_density"] / ca.sqrt(T) * draws[i] for i, name in enumerate(_DEVICES)}
-    y = _measure(p, DERIVED.split(d), bias, _truth(p, u), white)
-    walked = {
-        f"{name}_bias": bias[f"{name}_bias"] + p[f"{name}.bias_walk"] * ca.sqrt(T) * draws[2 + i]
-        for i, name in enumerate(_DEVICES)
-    }
-    return ca.Function("step", [p.column, d, u.column, x, w, t], [STATES.join(walked), y])
+def sample(p: Signals, d: Parts, u: Signals, x: Parts, w: ca.SX) -> tuple[Parts, Parts]:
+    """Readings with white noise of density n, n/sqrt(T) w, and biases that walk on by k sqrt(T) w."""
+    T, draws = p["sample_period"], ca.vertsplit(w, 3)
+    white = {name: p[f"{name}.noise_density"] / ca.sqrt(T) * draws[i] for i, name in enumerate(x)}
+    walked = {name: x[name] + p[f"{name}.bias_walk"] * ca.sqrt(T) * draws[2 + i] for i, name in enumerate(x)}
+    return walked, measure(p, u, d, x, white)
 
 
-def _truth(p: Signals, u: Signals) -> dict[str, ca.SX]:
-    """omega, and f_p = f + epsilon x p + omega x (omega x p) at the sensor."""
+def measure(p: Signals, u: Signals, scale: Parts, bias: Parts, white: Parts) -> Parts:
+    """The readings: (1 + s) truth + bias + noise, clipped to the range and rounded to the resolution."""
+    readings: Parts = {}
+    for name, truth in at_sensor(p, u).items():
+        analogue = scale[name] * truth + bias[name] + white[name]
+        readings |= named(name, AXES, digital(analogue, p[f"{name}.range"], p[f"{name}.resolution"]))
+    return readings
+
+
+def at_sensor(p: Signals, u: Signals) -> Parts:
+    """omega [rad/s], and f_p = f + epsilon x p + omega x (omega x p) [m/s2] at the sensor (3 each)."""
     f, omega = u.vector("truth.specific_force", AXES), u.vector("truth.angular_rate", AXES)
     epsilon, lever = u.vector("truth.angular_acceleration", AXES), p.vector("imu.position", AXES)
-    at_sensor = f + ca.cross(epsilon, lever) + ca.cross(omega, ca.cross(omega, lever))
-    return {"gyroscope": omega, "accelerometer": at_sensor}
+    return {"gyroscope": omega, "accelerometer": f + ca.cross(epsilon, lever) + ca.cross(omega, ca.cross(omega, lever))}
 
 
-def _measure(
-    p: Signals, scale: dict[str, ca.SX], bias: dict[str, ca.SX], truth: dict[str, ca.SX], white: dict[str, ca.SX]
-) -> ca.SX:
-    """(1 + s) truth + bias + noise, clipped to the range and rounded to the resolution; accelerometer first."""
-    analogue = {name: scale[f"{name}_scale"] * truth[name] + bias[f"{name}_bias"] + white[name] for name in _DEVICES}
-    digital = {name: _digitise(analogue[name], p[f"{name}.range"], p[f"{name}.resolution"]) for name in _DEVICES}
-    return ca.vertcat(digital["accelerometer"], digital["gyroscope"])
-
-
-def _digitise(value: ca.SX, limit: ca.SX, resolution: ca.SX) -> ca.SX:
+def digital(value: ca.SX, limit: ca.SX, resolution: ca.SX) -> ca.SX:
     """The multiple of `resolution` nearest to the clipped value; the clipped value itself when `resolution` is 0."""
     clipped = ca.fmax(-limit, ca.fmin(limit, value))
     bit = ca.if_else(resolution > 0, resolution, 1)

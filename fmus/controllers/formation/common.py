@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import casadi as ca
 
-from fmukit.kernel import Signals
+from fmukit.kernel import Parts, Signals, choose, named
 from fmus.controllers.formation import realise
 
-Parts = dict[str, ca.SX]
 
-
-def begun(state: Mapping[str, ca.SX], start: Mapping[str, ca.SX]) -> Parts:
+def begun(state: Parts, start: Parts) -> Parts:
     """The state, whose part `started` is 0 before the first sample: there the parts in `start` take its values."""
-    return {**state, **{name: ca.if_else(state["started"], state[name], value) for name, value in start.items()}}
+    return state | choose(state["started"], {name: state[name] for name in start}, start)
 
 
 def wanted_place(u: Signals) -> ca.SX:
@@ -35,6 +31,6 @@ def outputs(p: Signals, u: Signals, speed: realise.Realised, yaw_rate: realise.R
     }
 
 
-def by_axis(pairs: Mapping[str, ca.SX]) -> Parts:
+def by_axis(pairs: Parts) -> Parts:
     """Outputs name.x and name.y from vectors (2)."""
-    return {f"{name}.{axis}": pair[i] for name, pair in pairs.items() for i, axis in enumerate("xy")}
+    return {name: value for group, pair in pairs.items() for name, value in named(group, "xy", pair).items()}

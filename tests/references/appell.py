@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from fmus.vehicle16dof.tree import Body, Joint
+from tests.references.tree import Body, Joint
 
 
 def mass_and_bias(
@@ -32,10 +32,10 @@ def mass_and_bias(
     return M, h
 
 
-_Motion = tuple[ca.SX, ca.SX, ca.SX]
+_Moving = tuple[ca.SX, ca.SX, ca.SX]
 
 
-def _next(joint: Joint, q: ca.SX, rate: ca.SX, column: int, antecedent: _Motion) -> _Motion:
+def _next(joint: Joint, q: ca.SX, rate: ca.SX, column: int, antecedent: _Moving) -> _Moving:
     """(omega_j, Phi_j, gamma_j) from those of the antecedent."""
     omega_i, Phi_i, gamma_i = antecedent
     iRj, P = joint.transform(q)

@@ -1,4 +1,4 @@
-"""The kinematic tree of the car in modified Denavit-Hartenberg parameters (Khalil and Kleinfinger).
+"""The kinematic tree of Vehicle16Dof in modified Denavit-Hartenberg parameters (Khalil and Kleinfinger).
 
 iTj = Rot(z, gamma) Trans(z, b) Rot(x, alpha) Trans(x, d) Rot(z, theta) Trans(z, r), i the antecedent of j.
 A revolute joint (sigma = 0) moves theta = q + theta_0, a prismatic one (sigma = 1) r = q + r_0. Body 0 is the
@@ -12,9 +12,9 @@ from typing import Any
 
 import casadi as ca
 
-from fmukit.kernel import Signals
+from fmukit.kernel import Parts, Signals
 from fmus.cars.rotation import rotation_x, rotation_z
-from fmus.vehicle16dof.states import CORNERS, Corner, symmetric, unsprung_mass, wheel_place
+from fmus.vehicle16dof.states import CORNERS, Corner, symmetric, wheel_place
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +67,7 @@ def _suspension(p: Signals, corner: Corner) -> Joint:
     return Joint(f"travel.{corner.name}", 0, True, gamma=gamma, d=ca.sqrt(x * x + y * y), theta=-gamma, r=z)
 
 
-def bodies(p: Signals, d: dict[str, ca.SX]) -> tuple[Body, ...]:
+def bodies(p: Signals, d: Parts) -> tuple[Body, ...]:
     """The eleven bodies: chassis, then per corner carrier (massless), knuckle, wheel; rear carrier = knuckle."""
     zero = ca.SX.zeros(3)
     knuckle = Body(p["knuckle.mass"], zero, ca.diag(p.vector("knuckle.inertia", "xyz")))
@@ -77,30 +77,3 @@ def bodies(p: Signals, d: dict[str, ca.SX]) -> tuple[Body, ...]:
     for corner in CORNERS:
         chain += [Body(0.0, zero, ca.SX(3, 3)), knuckle, wheel] if corner.steered else [knuckle, wheel]
     return tuple(chain)
-
-
-def derived(p: Signals) -> dict[str, ca.SX]:
-    """Everything of the mass distribution that depends on the parameters only; see `states.DERIVED`.
-
-    A shift of the total centre of gravity moves the sprung body by m/m_1 of it; the payload is a point mass.
-    """
-    m_1, m_u = p["body.mass"], unsprung_mass(p)
-    c = p.vector("body.cog", "xyz") + p.vector("cog_offset", "xyz") * (m_1 + 4.0 * m_u) / m_1
-    place, load = p.vector("payload", "xyz"), p["payload.mass"]
-    I_x, I_y, I_z = ca.vertsplit(p.vector("body.inertia", "xyz"))
-    J = symmetric(ca.vertcat(I_x, I_y, I_z, 0, p["body.inertia.xz"], 0)) + _steiner(m_1, c) + _steiner(load, place)
-    mass = m_1 + load
-    centres = [wheel_place(p, corner) for corner in CORNERS]
-    return {
-        "mass": mass,
-        "mass_moment": m_1 * c + load * place,
-        "inertia": ca.vertcat(J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[0, 2], J[1, 2]),
-        "inverse_mass": ca.vertcat(1.0 / mass, 1.0 / (mass + 4.0 * m_u)),
-        "unsprung_moment": m_u * ca.vertcat(sum(x for x, _, _ in centres), sum(y for _, y, _ in centres)),
-        "unsprung_inertia": m_u * sum(x * x + y * y for x, y, _ in centres),
-    }
-
-
-def _steiner(m: ca.SX, c: ca.SX) -> ca.SX:
-    """-m [c]x^2: inertia [kg m2] of the mass m [kg] at c [m] about the origin."""
-    return m * (ca.dot(c, c) * ca.SX.eye(3) - c @ c.T)
