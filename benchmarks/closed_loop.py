@@ -6,10 +6,11 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
-from typing import Any
 
-from cosim.run import Request, run
-from scenarios import load
+from cosim.results.summary import InstanceSummary, Summary
+from cosim.run.request import Request
+from cosim.run.running import run
+from cosim.scenario.discovery import load
 
 ROUNDS = 7
 
@@ -27,21 +28,20 @@ def measure(name: str = "high-speed-tracking", rounds: int = ROUNDS, stop_time: 
     """Run the scenario `rounds` times after one to warm up, in this process; results go to a scratch folder."""
     scenario = load(name)
     with tempfile.TemporaryDirectory() as folder:
-        summaries = [run(Request(scenario, Path(folder) / str(i), stop_time=stop_time))[0] for i in range(rounds + 1)][
-            1:
-        ]
-    instances = summaries[0]["instances"]
+        requests = [Request(scenario, Path(folder) / str(i), stop_time=stop_time) for i in range(rounds + 1)]
+        summaries = [run(request).summary for request in requests][1:]
+    instances = summaries[0].instances
     share = {name: median(_share(s, name) for s in summaries) for name in instances}
     return ClosedLoop(
-        real_time_factor=median(s["real_time_factor"] for s in summaries),
-        microseconds_per_call={n: median(_microseconds(s["instances"][n]) for s in summaries) for n in instances},
+        real_time_factor=median(s.real_time_factor for s in summaries),
+        microseconds_per_call={n: median(_microseconds(s.instances[n]) for s in summaries) for n in instances},
         share=share | {"master": median(1.0 - sum(_share(s, n) for n in instances) for s in summaries)},
     )
 
 
-def _share(summary: dict[str, Any], name: str) -> float:
-    return float(summary["instances"][name]["time"] / summary["wall_time"])
+def _share(summary: Summary, name: str) -> float:
+    return summary.instances[name].time / summary.wall_time
 
 
-def _microseconds(instance: dict[str, Any]) -> float:
-    return float(instance["time"] / instance["calls"] * 1e6)
+def _microseconds(instance: InstanceSummary) -> float:
+    return instance.time / instance.calls * 1e6

@@ -14,8 +14,9 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.spread import Spread, microseconds, spread
-from cosim.run import Request, run
-from scenarios import load
+from cosim.run.request import Request
+from cosim.run.running import run
+from cosim.scenario.discovery import load
 
 ROUNDS = 5
 MEAN = {"solver": 1000.0, "allocation": 20.0}
@@ -41,12 +42,12 @@ def measure(rounds: int = ROUNDS) -> tuple[dict[str, Inside], float]:
     for _ in range(rounds):
         with tempfile.TemporaryDirectory() as folder:
             request = Request(load("double-lane-change"), Path(folder), [("mpc.solver.timed", "true")])
-            summary, results = run(request)
+            finished = run(request)
             for name, seen in times.items():
-                seen.append(1e6 * results.samples("mpc", f"{name}.time"))
-                iterations[name] = float(results.samples("mpc", f"{name}.iterations").mean())
-        spent = summary["instances"]["mpc"]
-        exchanges.append(1e6 * spent["time"] / spent["calls"])
+                seen.append(1e6 * finished.results.samples("mpc", f"{name}.time"))
+                iterations[name] = float(finished.results.samples("mpc", f"{name}.iterations").mean())
+        spent = finished.summary.instances["mpc"]
+        exchanges.append(1e6 * spent.time / spent.calls)
     return {name: Inside(spread(seen), iterations[name]) for name, seen in times.items()}, float(np.mean(exchanges))
 
 

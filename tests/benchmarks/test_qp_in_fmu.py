@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from benchmarks import qp_in_fmu
-from cosim.run import Request
+from cosim.results.summary import InstanceSummary
+from cosim.run.request import Request
 
 
 class _Columns:
@@ -23,8 +25,9 @@ class _Columns:
 
 
 def test_results_are_read_while_their_folder_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
-    def run(request: Request) -> tuple[object, _Columns]:
-        return {"instances": {"mpc": {"time": 1.0, "calls": 1000}}}, _Columns(request.folder)
+    def run(request: Request) -> SimpleNamespace:
+        spent = InstanceSummary("MpcAllocator", 0.02, 1000, 1.0)
+        return SimpleNamespace(summary=SimpleNamespace(instances={"mpc": spent}), results=_Columns(request.folder))
 
     monkeypatch.setattr(qp_in_fmu, "run", run)
     found, exchange = qp_in_fmu.measure(rounds=2)

@@ -14,7 +14,9 @@ SEEDS = range(5)
 def mean_of_peaks(scenario_run, offset: tuple[float, float, float], seeds=SEEDS) -> float:
     """Mean over the seeds of the largest lateral error [m] with the total centre of gravity moved by `offset`."""
     assignments = [f"plant.cog_offset.{axis}={value}" for axis, value in zip("xyz", offset, strict=True)]
-    return float(np.mean([scenario_run(NAME, *assignments, seed=s)[0]["metrics"]["lateral_error_max"] for s in seeds]))
+    return float(
+        np.mean([scenario_run(NAME, *assignments, seed=s).summary.metrics["lateral_error_max"].value for s in seeds])
+    )
 
 
 def as_text(table: np.ndarray) -> str:

@@ -5,9 +5,9 @@ import pyarrow as pa
 import pytest
 
 from cosim.results.reading import Facts, Results
+from scenarios.shared.panels import footprints
 from scenarios.shared.tracking_errors import longest_saturation
 from scenarios.tracking.metrics import tracking_metrics
-from scenarios.tracking.picture import footprints
 
 TIME = np.arange(1001) / 1000
 COURSE = 0.3

@@ -13,13 +13,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from host_job import Job
-from own_answer import Answer, ask
+from own_answer import Answer, Make, alone, ask, of_scenario
 
-from cosim.model.system import System
-from cosim.scenario import configured
+from cosim.engine.loader import Loader
+from cosim.engine.models import find
 from fmukit.hosting.environment import environment
 from fmus import CATALOGUE
-from scenarios import load
 
 Answers = Callable[[str, Mapping[str, Job]], dict[str, Answer]]
 STEP, STEPS, EVERY = 0.001, 4000, 10
@@ -27,32 +26,32 @@ PACKAGES = {"ecos": "ecospy", "libcosim": "libcosimpy", "fmpy": "fmpy", "pathsim
 
 
 @pytest.fixture(scope="session")
-def loop() -> System:
+def loop() -> Make:
     """The closed loop of the high-speed manoeuvre: seven FMUs."""
-    return configured(load("high-speed-tracking"), [])
+    return of_scenario("high-speed-tracking")
 
 
 @pytest.fixture(scope="session")
-def loop_job(loop: System) -> Job:
+def loop_job(loop: Make) -> Job:
     return ask(loop, STEP, STEPS, EVERY)[0]
 
 
 @pytest.fixture(scope="session")
-def loop_answer(loop: System) -> Answer:
+def loop_answer(loop: Make) -> Answer:
     """What our master makes of the closed loop with the scheme jacobi: [row, signal]."""
     return ask(loop, STEP, STEPS, EVERY)[1]
 
 
 @pytest.fixture(scope="session")
-def single_jobs(loop: System) -> tuple[dict[str, Job], dict[str, Answer]]:
+def single_jobs(loop: Make) -> tuple[dict[str, Job], dict[str, Answer]]:
     """One job per FMU of the catalogue, alone, with the values it has in the loop, at its own step."""
-    values = {instance.model: instance.parameters for instance in loop.instances.values()}
+    with Loader(find) as loader:
+        made = loop(loader)
+    values = {made.model(name): made.changed(name) for name in made.system.instances}
     jobs, answers = {}, {}
     for component in CATALOGUE:
         name = component.interface.name
-        system = System()
-        system.add("alone", name, values.get(name))
-        jobs[name], answers[name] = ask(system, component.interface.step, 30, 1)
+        jobs[name], answers[name] = ask(alone(name, values.get(name, {})), component.interface.step, 30, 1)
     return jobs, answers
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -11,20 +11,39 @@ from numpy.typing import NDArray
 
 from cosim.engine.loader import Loader
 from cosim.engine.master import Master
+from cosim.engine.models import find
 from cosim.engine.schedule import schedule
 from cosim.model.assembly import Node, assemble
+from cosim.model.configuration import Configuration
+from cosim.model.face import Value
 from cosim.model.system import System
 from cosim.results.recorder import recorded
-from scenarios.shared.catalogue import fmu_path
+from cosim.run.prepare import configured
+from cosim.run.request import Request
+from cosim.scenario.discovery import load
 
 Answer = NDArray[np.float64]
+Make = Callable[[Loader], Configuration]
+"""What gives the values of a system, once the faces of its models can be loaded."""
 
 
-def ask(system: System, step: float, steps: int, every: int) -> tuple[Job, Answer]:
+def of_scenario(name: str, *assignments: tuple[str, str]) -> Make:
+    """The system of a scenario, completed."""
+    return lambda loader: configured(Request(load(name), Path(), assignments), loader).configuration
+
+
+def alone(model: str, values: Mapping[str, Value]) -> Make:
+    """One instance of a model."""
+    system = System()
+    system.add("alone", model, values)
+    return lambda loader: Configuration(system, loader.faces(system))
+
+
+def ask(make: Make, step: float, steps: int, every: int) -> tuple[Job, Answer]:
     """The job, and our answer to it."""
-    with Loader(fmu_path) as loader:
-        nodes = assemble(system, loader.faces(system), 0, step)
-        master = Master(nodes, schedule(nodes, "jacobi"), loader.slaves(system, nodes))
+    with Loader(find) as loader:
+        nodes = assemble(make(loader), 0, step)
+        master = Master(nodes, schedule(nodes, "jacobi"), loader.slaves(nodes))
         chosen = recorded(master.signals)
         signals = [(master.signals[i].instance, master.signals[i].variable) for i in chosen]
         master.initialise()
@@ -33,7 +52,7 @@ def ask(system: System, step: float, steps: int, every: int) -> tuple[Job, Answe
         outcome = master.run(round(step * 1e9) * steps, lambda: rows.append(master.vector[places]))
     assert outcome.status == "ok", outcome.reason
     job: Job = {"step": step, "steps": steps, "every": every, "connections": _connections(nodes)}
-    job["instances"] = {name: _instance(node, fmu_path(system.instances[name].model)) for name, node in nodes.items()}
+    job["instances"] = {name: _instance(node, find(node.model)) for name, node in nodes.items()}
     job["signals"] = [(name, port, nodes[name].face.ports[port].reference) for name, port in signals]
     return job, np.array(rows[every::every])
 

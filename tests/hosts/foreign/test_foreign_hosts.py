@@ -18,12 +18,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from host_job import Job
-from own_answer import Answer, ask
+from own_answer import Answer, ask, of_scenario
 
-from cosim.run import Request
-from cosim.scenario import configured
+from cosim.run.request import Request
+from cosim.scenario.discovery import load
 from cosim.ssp.export import export
-from scenarios import load
 
 ROOT = Path(__file__).parents[3]
 
@@ -49,7 +48,7 @@ def test_the_whole_manoeuvre(host, answers):
     """libcosim's steps differ from 1 ms by rounding, here and there one bit of the IMU's resolution flips for that, and
     from then on two runs differ by as much as the resolution allows; so the IMU gets none."""
     fine = [("imu.accelerometer.resolution", "0"), ("imu.gyroscope.resolution", "0")]
-    job, expected = ask(configured(load("high-speed-tracking"), fine), 0.001, 16_000, 100)
+    job, expected = ask(of_scenario("high-speed-tracking", *fine), 0.001, 16_000, 100)
     found = deviation(answers(host, {"loop": job})["loop"], expected)
     print(host, "16 s", found)
     assert found < 1e-9
@@ -106,7 +105,7 @@ def test_an_exported_plan_travels_along(host, lane_change, tmp_path, answers):
 @pytest.fixture(scope="session")
 def lane_change() -> tuple[Job, Answer]:
     """The double lane change as a job, and our answer: the recovery from 0.3 m beside the plan."""
-    job, answer = ask(configured(load("double-lane-change"), []), 0.001, 1000, 10)
+    job, answer = ask(of_scenario("double-lane-change"), 0.001, 1000, 10)
     lateral = answer[:, [signal[:2] for signal in job["signals"]].index(("mpc", "error.lateral"))]
     assert abs(lateral[0]) > 0.29
     assert abs(lateral[-1]) < 0.1
