@@ -23,7 +23,7 @@ from benchmarks import (
     qp_in_fmu,
     qp_solvers,
 )
-from scenarios.shared.catalogue import fmu_path
+from cosim.engine.models import find
 
 Row = tuple[str, str, str, str]
 
@@ -61,7 +61,7 @@ def _positive(text: str) -> int:
 
 
 def _exchange(rounds: int | None) -> Iterator[Row]:
-    seen = exchange.measure(fmu_path("Vehicle16Dof"), rounds=rounds or exchange.ROUNDS)
+    seen = exchange.measure(find("Vehicle16Dof"), rounds=rounds or exchange.ROUNDS)
     against = f"{seen['exchange']:.1f} us / {seen['reference']:.1f} us of an empty PythonFMU slave with the same ports"
     yield "Vehicle16Dof: set + 1 ms step + get", f"{seen['ratio']:.2f}", against, "<= 2.0"
 
