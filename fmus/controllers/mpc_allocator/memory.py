@@ -94,7 +94,9 @@ def along(u: Signals, past: ca.MX, passage: Passage, times: ca.MX) -> ca.MX:
     pace, b = passage.pace, passage.braking
     t = ca.fmin(times, pace / ca.fmax(b, _LEAST))
     ends = ca.vertcat(past[0, 0], passage.end)
-    found = lookup(ca.vertcat(*columns), ends, passage.start + pace * t - 0.5 * b * t**2)
+    found = lookup(times.numel(), PAST + PREVIEW + 1)(
+        ca.vertcat(*columns), ends, passage.start + pace * t - 0.5 * b * t**2
+    )
     paces = ca.fmax(pace - b * times, 0).T
     speed, acceleration = found[3, :], found[4, :] * paces**2 - found[3, :] * b * (paces > 0)
     return ca.vertcat(found[:3, :], speed * paces, acceleration, found[5, :])

@@ -37,6 +37,6 @@ def sample(d: Parts, t: ca.MX) -> tuple[Parts, ca.MX]:
 
 def outputs(d: Parts, t: ca.MX) -> ca.MX:
     """The trajectory bus in slot order: now with its yaw rate, then the preview."""
-    values = lookup(d["table"], d["ends"], t + _AHEAD)
+    values = lookup(PREVIEW + 1, ROWS)(d["table"], d["ends"], t + _AHEAD)
     now = values[:, 0]
     return ca.vertcat(now, now[3] * now[5], ca.vec(values[:, 1:]))

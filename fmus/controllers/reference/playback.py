@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from fmukit.kernel import block
+from fmukit.kernel import Block, block
 from fmus.cars.rotation import wrap
 from fmus.clip import clip
 from fmus.controllers.reference.interface import COLUMNS
@@ -25,19 +25,23 @@ def canonical(table: ca.MX, rows: ca.MX) -> ca.MX:
     return ca.horzcat(times, table[:, 1:3], continuous, table[:, 4:])
 
 
-def lookup(table: ca.MX, ends: ca.MX, t: ca.MX) -> ca.MX:
-    """x, y, course, speed, acceleration, curvature (6 x times) at the times t [s].
+def lookup(times: int, rows: int) -> Block:
+    """(table, ends, t) -> x, y, course, speed, acceleration, curvature (6 x times) at the times t [s].
 
     table  the rows as one column, column by column
     ends   first and last time [s] (2): before and after, course and speed are held, straight on
     """
-    rows = table.numel() // _COUNT
-    inside = clip(t, ends[0], ends[1])
-    index = ca.low(table[:rows], inside, {"lookup_mode": "binary"})
-    left = [table[index + rows * column] for column in range(_COUNT)]
-    right = [table[index + rows * column + 1] for column in range(_COUNT)]
-    rows_of = [ca.horzcat(*columns).T for columns in (left, right)]
-    return _between.function.map(t.numel())(*rows_of, inside.T, (t - inside).T)
+
+    @block(symbol=ca.MX, table=rows * _COUNT, ends=2, t=times)
+    def found(table: ca.MX, ends: ca.MX, t: ca.MX) -> ca.MX:
+        inside = clip(t, ends[0], ends[1])
+        index = ca.low(table[:rows], inside, {"lookup_mode": "binary"})
+        left = [table[index + rows * column] for column in range(_COUNT)]
+        right = [table[index + rows * column + 1] for column in range(_COUNT)]
+        rows_of = [ca.horzcat(*columns).T for columns in (left, right)]
+        return _between.function.map(times)(*rows_of, inside.T, (t - inside).T)
+
+    return found
 
 
 @block(left=_COUNT, right=_COUNT, t=1, beyond=1)
