@@ -1,4 +1,4 @@
-"""`python -m fmukit.conformance` prints the table of rules in the README."""
+"""`python -m fmukit.conformance` prints the table of rules in docs/conformance-rules.md."""
 
 from fmukit.conformance.check import every_rule
 from fmukit.conformance.report import rule_table
