@@ -1,4 +1,4 @@
-"""`python -m fmukit.conformance` prints the table of rules in the README."""
+"""`python -m fmukit.conformance` prints the table of rules in docs/conformance-rules.md."""
 
 from fmukit.conformance.report import rule_table
 from fmukit.conformance.rulebook import ALL

@@ -1,4 +1,4 @@
-"""The rules as a whole: each has an id of its own, which it keeps, and stands in the README."""
+"""The rules as a whole: each has an id of its own, which it keeps, and stands in the documents."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from fmukit.conformance.report import rule_table
 from fmukit.conformance.rule import Rules, in_order
 from fmukit.conformance.rulebook import ALL, READING, RUNNING
 
-README = Path(__file__).parents[2] / "fmukit" / "conformance" / "README.md"
+RULES = Path(__file__).parents[2] / "docs" / "conformance-rules.md"
 LAST = {"A": 14, "X": 45, "L": 15, "B": 18, "I": 3}
 
 
@@ -32,9 +32,9 @@ def test_ids_have_no_gaps_and_stand_in_order() -> None:
     assert {rule.id[0] for rule in RUNNING} == {"L", "B", "I"}
 
 
-def test_the_readme_lists_the_rules_as_they_are() -> None:
-    assert rule_table(ALL) in README.read_text("utf-8"), (
-        "put the output of `python -m fmukit.conformance` into the README"
+def test_the_documents_list_the_rules_as_they_are() -> None:
+    assert rule_table(ALL) in RULES.read_text("utf-8"), (
+        "put the output of `python -m fmukit.conformance` into docs/conformance-rules.md"
     )
 
 

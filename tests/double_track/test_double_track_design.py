@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import doctest
-from pathlib import Path
-
 import pytest
 
 from fmukit.direct import Direct
@@ -67,9 +64,3 @@ def test_same_torques_accelerate_alike() -> None:
     # the planar car has no wheels to spin up, 3 % of the mass
     assert light["velocity.x"] - 15.0 == pytest.approx(heavy["velocity.x"] - 15.0, rel=0.05)
     assert light["velocity.x"] > heavy["velocity.x"]
-
-
-def test_readme_example() -> None:
-    readme = Path(double_track.__file__).with_name("README.md")
-    done = doctest.testfile(str(readme), module_relative=False)
-    assert done.attempted and not done.failed

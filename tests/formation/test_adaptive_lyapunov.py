@@ -1,8 +1,8 @@
-"""L = |e|^2/2 + |W~|^2/(2 F) + |V~|^2/(2 G): its rate, and the bound outside of which it falls, as the README says.
+"""L = |e|^2/2 + |W~|^2/(2 F) + |V~|^2/(2 G): its rate, and the bound outside of which it falls.
 
-The leader moves as an ideal network with constant weights W*, V* has it, up to a known bounded error. Runs start far
-outside the bound, which shows that it is not vacuous; leaks so large that it is near pull weights back by themselves,
-so that the gradients show in the rate only.
+The derivation is in docs/studies/adaptive-follower.md. The leader moves as an ideal network with constant weights W*,
+V* has it, up to a known bounded error. Runs start far outside the bound, which shows that it is not vacuous; leaks so
+large that it is near pull weights back by themselves, so that the gradients show in the rate only.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class Ideal:
         return float(e @ e / 2 + np.sum((W - self.W) ** 2) / (2 * self.F) + hidden)
 
     def L_rate(self, e: np.ndarray, W: np.ndarray, V: np.ndarray, xbar: np.ndarray, epsilon: np.ndarray) -> float:
-        """L' as the README has it before any inequality: -K |e|^2 + e'w and what the leaks take."""
+        """L' as the derivation has it before any inequality: -K |e|^2 + e'w and what the leaks take."""
         off_W, off_V = W - self.W, V - self.V
         s = sigma(V, xbar)
         slope = np.vstack([np.zeros(NEURONS), np.diag(s[1:] * (1 - s[1:]))])

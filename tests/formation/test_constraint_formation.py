@@ -166,7 +166,7 @@ def test_behind_a_pushed_car_the_links_miss_only_what_the_filter_does(across: bo
 
 @pytest.mark.parametrize(("across", "most"), [(True, (0.09, 0.04)), (False, (0.075, 0.11))])
 def test_a_push_stays_with_the_link_of_the_pushed_car(across: bool, most: Place) -> None:
-    """As the README says: of 0.47 m the links behind see less than a quarter, with a memory of 0.05 s a fortieth."""
+    """Of 0.47 m the links behind see less than a quarter, with a memory of 0.05 s a fortieth."""
     e = np.array(_pushed(0, across).errors).max(axis=0)
     assert (e[1:] < most).all()
     exact = np.array(_pushed(0, across, **EXACT).errors).max(axis=0)

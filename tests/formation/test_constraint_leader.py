@@ -43,7 +43,7 @@ def test_noise_of_the_acceleration_is_that_of_the_filter_on_paper(tau: float, ga
         assert seen[:, axis].std() == pytest.approx(gain * sigma, rel=0.12)
 
 
-def test_a_swing_is_followed_as_the_readme_says() -> None:
+def test_a_swing_is_followed_but_for_a_tenth() -> None:
     leader = loop.along_x(lambda t: 20.0 + 2.0 * np.sin(t), 32.0)
     found = _accelerations(leader, 30.0)[:, 0]
     t = loop.T * np.arange(len(found))

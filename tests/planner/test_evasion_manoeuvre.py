@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import doctest
 import math
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,7 +11,6 @@ import pytest
 from fmukit.direct import Direct
 from fmus.cars.published import single_track
 from fmus.controllers.reference import COMPONENT
-from fmus.planner import evasion
 from fmus.planner.errors import PlanningError
 from fmus.planner.evasion import manoeuvre as module
 from fmus.planner.evasion.car import evading_car, input_limits
@@ -183,9 +180,3 @@ def test_reference_trajectory_plays_it(met: Encounter) -> None:
         expected = [np.interp(t, rows[:, 0], rows[:, k]) for k in (1, 2, 3, 4)]
         seen = [player[f"reference.{name}"] for name in ("x", "y", "course", "speed")]
         assert seen == pytest.approx(expected, abs=5e-3)
-
-
-def test_the_readme_runs() -> None:
-    readme = Path(evasion.__file__).with_name("README.md")
-    outcome = doctest.testfile(str(readme), module_relative=False, encoding="utf-8")
-    assert outcome.attempted >= 4 and not outcome.failed

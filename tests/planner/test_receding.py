@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import doctest
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -327,8 +325,3 @@ def test_replanning_from_the_estimate(tools) -> None:
                 assert abs(car["reference.y"] - (1.0 if enabled else 0.0)) < 0.05
         assert car["replan.count"] == enabled and car["problem.failed"] == 0
         assert car["plan.end_time"] >= 119 * 0.02 + PREVIEW
-
-
-def test_example_of_the_readme() -> None:
-    readme = Path(horizon.__file__).with_name("README.md")
-    assert doctest.testfile(str(readme), module_relative=False) == (0, 3)
