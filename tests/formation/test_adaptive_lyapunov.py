@@ -12,12 +12,13 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 import pytest
-from adaptive_loop import Unicycle, estimate, pose, rotation
+from adaptive_loop import Unicycle, estimate, pose
 from adaptive_network import INPUTS, NEURONS, OUTPUTS, output, sigma
 from scipy.integrate import solve_ivp
 
 from fmukit.direct import Direct
 from fmus.controllers.adaptive_follower import COMPONENT, model, network
+from tests.references.loop import rotation
 
 _SHAPES = [(INPUTS + 1, NEURONS), (NEURONS + 1, OUTPUTS), (INPUTS + 1, 1), (OUTPUTS, 1)]
 _SYMBOLS = [ca.SX.sym(name, *shape) for name, shape in zip(("V", "W", "xbar", "e"), _SHAPES, strict=True)]
