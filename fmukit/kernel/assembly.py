@@ -54,6 +54,8 @@ class Assembly:
             lacking = sorted(taken.keys() - set(there))
             raise ValueError(f"{self._owner}: {name} takes {', '.join(lacking)}, but there is only {', '.join(there)}")
         found = several(equations(**{key: seen[key] for key in taken}))
+        if len(found) != len(results):
+            raise ValueError(f"{self._owner}: {name} gives {len(found)} results, not {len(results)}")
         try:
             made = [symbol(column(given)) for column, given in zip(results.values(), found, strict=True)]
         except ValueError as error:
