@@ -36,28 +36,29 @@ class Layout:
         return slices | {name: inner.split(slices[name]) for name, inner in self._inner.items()}
 
     def join(self, parts: Any) -> Any:
-        """The column of all parts, or the column itself if it is given, of this layout or in place of a nested part.
+        """The column of all parts; a column, of this layout or in place of a nested part, is taken as it is.
 
-        ValueError for unknown or missing names and for parts of another length.
+        ValueError for unknown or missing names and for columns of another length.
         """
         if not isinstance(parts, dict):
-            return parts
+            return _of_length(self.size, parts, "the column")
         unknown, missing = parts.keys() - self.sizes.keys(), self.sizes.keys() - parts.keys()
         if unknown or missing:
             raise ValueError(f"unknown values {sorted(unknown)}, missing values {sorted(missing)}")
-        columns = {
-            name: self._inner[name].join(parts[name]) if name in self._inner else parts[name] for name in self.sizes
-        }
-        for name, size in self.sizes.items():
-            length = ca.vertcat(columns[name]).numel()
-            if length != size:
-                raise ValueError(f"{name} has {length} elements, not {size}")
-        return ca.vertcat(*columns.values())
+        whole = parts | {name: inner.join(parts[name]) for name, inner in self._inner.items()}
+        return ca.vertcat(*(_of_length(size, whole[name], name) for name, size in self.sizes.items()))
 
     def begun(self, parts: Any) -> Any:
-        """The column of the parts that are given, and of zeros in place of the others; a column as it is."""
+        """`join` with zeros for parts that are not given."""
         zeros = {name: ca.DM.zeros(size) for name, size in self.sizes.items()}
         return self.join(zeros | parts if isinstance(parts, dict) else parts)
+
+
+def _of_length(size: int, column: Any, name: str) -> Any:
+    length = ca.vertcat(column).numel()
+    if length != size:
+        raise ValueError(f"{name} has {length} elements, not {size}")
+    return column
 
 
 class Slots(Layout):

@@ -15,6 +15,7 @@ from fmus import double_track
 from fmus.cars.wheels import WHEELS
 from fmus.controllers import mpc_allocator, reference
 from fmus.planner import plans, trajectory
+from tests.references.loop import motion, recorded
 
 PERIOD = 0.02
 Hook = Callable[[float, Direct, Direct], None]
@@ -136,16 +137,13 @@ class Loop:
     def run(self, duration: float, hook: Hook = nothing) -> dict[str, Array]:
         """What is seen, by name, over the samples of `duration` [s]."""
         period = self.parameters.get("sample_period", PERIOD)
-        samples = [self.step(hook) for _ in range(round(duration / period))]
-        return {name: np.array([sample[name] for sample in samples]) for name in samples[0]}
+        return recorded(lambda _: self.step(hook), round(duration / period))
 
 
 def estimate(plant: Direct) -> dict[str, float]:
     """The true state of the car as the controller's estimate."""
-    return {
-        **{f"estimate.{name}": plant[name] for name in ("position.x", "position.y", "yaw", "velocity.x", "velocity.y")},
-        "estimate.yaw_rate": plant["angular_rate.z"],
-    }
+    names = ("position.x", "position.y", "yaw", "velocity.x", "angular_rate.z", "velocity.y")
+    return motion("estimate", *(plant[name] for name in names))
 
 
 def lost(wheels: tuple[str, ...], since: float) -> Hook:

@@ -133,7 +133,7 @@ def test_a_reference_that_moves_every_fifth_sample_is_read_ahead_meanwhile() -> 
     def hook(t: float, mpc: Direct, plant: Direct) -> None:
         ports = [name for name in INTERFACE.names("input") if name.startswith(("reference.", "preview["))]
         if round(t / PERIOD) % 5 == 0:
-            held.update({name: mpc.u[mpc._inputs[name]] for name in ports})
+            held.update({name: mpc.u[INTERFACE.names("input").index(name)] for name in ports})
         mpc.set(held)
 
     seen = Loop(lane_change(), 0.1).run(6.0, hook)

@@ -149,7 +149,7 @@ def test_a_frozen_estimate_is_bridged_for_its_timeout_then_the_car_brakes() -> N
 
     def frozen(t: float, mpc: Direct, plant: Direct) -> None:
         if not held:
-            held.update({name: mpc.u[mpc._inputs[name]] for name in _ESTIMATE})
+            held.update({name: mpc.u[INTERFACE.names("input").index(name)] for name in _ESTIMATE})
         mpc.set(held)
 
     seen = loop.run(1.0, frozen)
@@ -169,7 +169,7 @@ def test_an_estimate_that_is_new_every_third_sample_is_enough() -> None:
     def hook(t: float, mpc: Direct, plant: Direct) -> None:
         plant.set({"body_force.y": 900.0})
         if round(t / PERIOD) % 3 == 0:
-            held.update({name: mpc.u[mpc._inputs[name]] for name in _ESTIMATE})
+            held.update({name: mpc.u[INTERFACE.names("input").index(name)] for name in _ESTIMATE})
         mpc.set(held)
 
     seen = Loop(steady(20.0, 0.005, 6.0)).run(5.0, hook)

@@ -4,21 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from fmukit.direct import Direct
 from fmus.controllers.adaptive_follower import COMPONENT
+from tests.references import loop
+from tests.references.loop import recorded, rotation
 
 KERNEL = COMPONENT.kernel()
 T, SUBSTEPS = 0.02, 4
 Motion = Callable[[float], float]
 Message = Mapping[str, float]
-
-
-def rotation(yaw: float) -> np.ndarray:
-    c, s = np.cos(yaw), np.sin(yaw)
-    return np.array([[c, -s], [s, c]])
 
 
 @dataclass
@@ -47,17 +45,11 @@ class Unicycle:
 
 
 def pose(car: Unicycle) -> dict[str, float]:
-    return {"leader.position.x": car.x, "leader.position.y": car.y, "leader.yaw": car.yaw}
+    return loop.pose("leader", car.x, car.y, car.yaw)
 
 
 def estimate(car: Unicycle) -> dict[str, float]:
-    return {
-        "estimate.position.x": car.x,
-        "estimate.position.y": car.y,
-        "estimate.yaw": car.yaw,
-        "estimate.velocity.x": car.v,
-        "estimate.yaw_rate": car.w,
-    }
+    return loop.motion("estimate", car.x, car.y, car.yaw, car.v, car.w)
 
 
 @dataclass(frozen=True)
@@ -97,18 +89,19 @@ def simulate(
     car = Unicycle(x=x, y=y, v=speed(0.0))
     follower = Direct(COMPONENT, parameters or {}, kernel=KERNEL)
     a = follower.p[follower.interface.names("parameter").index("hand.distance")]
-    rows: list[dict[str, float]] = []
-    z = []
-    for k in range(round(duration / T)):
+
+    def step(k: int) -> dict[str, Any]:
         now = {"formation.x": r[0], "formation.y": r[1], **inputs(k * T)}
         follower.set({**now, **estimate(car), **(hear(k, leader) if hear else pose(leader))})
         follower.sample()
-        rows.append(follower.outputs())
         wanted = leader.place(np.array([follower["offset.x"] + a, follower["offset.y"]]))
-        z.append(rotation(car.yaw).T @ (car.place(np.array([a, 0.0])) - wanted))
+        z = rotation(car.yaw).T @ (car.place(np.array([a, 0.0])) - wanted)
         for j in range(SUBSTEPS):
             t, dt = k * T + j * T / SUBSTEPS, T / SUBSTEPS
             leader.drive(speed(t + dt / 2), yaw_rate(t + dt / 2), 0.0, dt)
             car.drive(follower["command.speed"], follower["command.yaw_rate"], lag, dt)
-    outputs = {name: np.array([row[name] for row in rows]) for name in rows[0]}
-    return Run(T * np.arange(len(z)), np.array(z), outputs, follower)
+        return follower.outputs() | {"z": z}
+
+    outputs = recorded(step, round(duration / T))
+    z = outputs.pop("z")
+    return Run(T * np.arange(len(z)), z, outputs, follower)

@@ -63,8 +63,8 @@ def simulate(law: Adaptive, head: Motion, followers: int, stop: float, step: flo
     V = np.repeat(law.hidden_weights()[None], followers, 0)
     W = np.zeros((followers, NEURONS + 1))
     W[:, 0] = law.mean
-    rows = []
-    for t in step * np.arange(round(stop / step)):
+    time, rows = step * np.arange(round(stop / step)), []
+    for t in time:
         ahead, head_speed = head(t)
         z = p - np.concatenate(([ahead], p[:-1])) + law.headway * reference
         rows.append((np.append(ahead, p), np.append(head_speed, v), z))
@@ -75,8 +75,7 @@ def simulate(law: Adaptive, head: Motion, followers: int, stop: float, step: flo
         reference = reference + share * (wanted - reference)
         v_next = reference + (v - reference) * np.exp(-step / law.lag) if law.lag else reference
         p, v = p + step * 0.5 * (v + v_next), v_next
-    columns = [np.array([row[i] for row in rows]) for i in range(3)]
-    return Drive(step * np.arange(len(rows)), *columns)
+    return Drive.of(time, rows)
 
 
 def _learn(

@@ -13,6 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fmukit.integration import rk4
+
 Motion = Callable[[float], tuple[float, float]]
 """Position and speed of the head, less d and the mean speed, at a time."""
 
@@ -51,6 +53,11 @@ class Drive:
     speeds: np.ndarray
     errors: np.ndarray
 
+    @staticmethod
+    def of(time: np.ndarray, rows: list[tuple[np.ndarray, ...]]) -> Drive:
+        """From (positions, speeds, errors) at every time."""
+        return Drive(time, *(np.array(column) for column in zip(*rows, strict=True)))
+
 
 def simulate(law: Law, head: Motion, followers: int, stop: float, star: bool = False, step: float = 0.01) -> Drive:
     """Everybody starts in its place, the head as `head` says."""
@@ -60,9 +67,8 @@ def simulate(law: Law, head: Motion, followers: int, stop: float, star: bool = F
     rows = []
     for t in time:
         rows.append(_row(law, head(t), state, star))
-        state = _runge_kutta(lambda t, x: _rate(law, head(t), x, star), t, state, step)
-    columns = [np.array([row[i] for row in rows]) for i in range(3)]
-    return Drive(time, *columns)
+        state = rk4(lambda x, part, t=t: _rate(law, head(t + part * step), x, star), state, step)
+    return Drive.of(time, rows)
 
 
 def _row(law: Law, head: tuple[float, float], state: np.ndarray, star: bool) -> tuple[np.ndarray, ...]:
@@ -83,10 +89,3 @@ def _rate(law: Law, head: tuple[float, float], state: np.ndarray, star: bool) ->
     v, z = _speeds(law, head, state, star)
     command = head[1] * law.feedforward + state[1] - law.gain * z
     return np.array([v, -law.integral * z, (command - v) / law.lag if law.lag else 0 * v])
-
-
-def _runge_kutta(f: Callable[[float, np.ndarray], np.ndarray], t: float, x: np.ndarray, h: float) -> np.ndarray:
-    a = f(t, x)
-    b = f(t + h / 2, x + h / 2 * a)
-    c = f(t + h / 2, x + h / 2 * b)
-    return x + h / 6 * (a + 2 * b + 2 * c + f(t + h, x + h * c))

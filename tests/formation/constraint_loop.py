@@ -8,46 +8,22 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
-from fmus.controllers.constraint_follower.interface import INTERFACE
-from fmus.controllers.constraint_follower.model import STATES, kernel
+from fmukit.integration import rk4
+from fmus.controllers.constraint_follower import COMPONENT
+from tests.references.loop import Sampled, Values, motion, recorded, rotation
 
 T = 0.02
 A = 6.0
-Values = dict[str, float]
 Motion = Callable[[float], tuple[float, float, float, float, float]]
 
 
-class Follower:
+def follower(**parameters: float) -> Sampled:
     """The kernel of the FMU with its state."""
-
-    def __init__(self, **parameters: float) -> None:
-        wanted = {v.name: float(v.start) for v in INTERFACE.select("parameter")} | {
-            name.replace("__", "."): value for name, value in parameters.items()
-        }
-        self.names = INTERFACE.names("input")
-        self.p = np.array([wanted[name] for name in INTERFACE.names("parameter")])
-        self.start = {v.name: float(v.start) for v in INTERFACE.select("input")}
-        assert len(wanted) == self.p.size, "unknown parameter"
-        function = kernel().step
-        self.u, self.x, self.y = np.zeros(len(self.names)), np.zeros(STATES.size), np.zeros(function.numel_out(1))
-        self.later, empty, clock = np.zeros(STATES.size), np.zeros(0), np.zeros(1)
-        self.buffer, self.run = function.buffer()
-        self.kept = (self.p, empty, self.u, self.x, empty, clock)
-        for k, array in enumerate(self.kept):
-            self.buffer.set_arg(k, memoryview(array))
-        self.buffer.set_res(0, memoryview(self.later))
-        self.buffer.set_res(1, memoryview(self.y))
-
-    def step(self, inputs: Values) -> Values:
-        values = self.start | inputs
-        assert len(values) == len(self.names), set(values) - set(self.names)
-        self.u[:] = [values[name] for name in self.names]
-        self.run()
-        self.x[:] = self.later
-        return dict(zip(INTERFACE.names("output"), self.y.tolist(), strict=True))
+    return Sampled(COMPONENT, **parameters)
 
 
 @dataclass
@@ -66,11 +42,7 @@ class Vehicle:
 
     def drive(self, y: Values, push: tuple[float, float] = (0.0, 0.0)) -> None:
         self.rows.append(self.state.copy())
-        k1 = self._rates(self.state, y, push)
-        k2 = self._rates(self.state + T / 2 * k1, y, push)
-        k3 = self._rates(self.state + T / 2 * k2, y, push)
-        k4 = self._rates(self.state + T * k3, y, push)
-        self.state = self.state + T / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+        self.state = rk4(lambda state, _: self._rates(state, y, push), self.state, T)
 
     def _rates(self, s: np.ndarray, y: Values, push: tuple[float, float]) -> np.ndarray:
         if self.lag is None:
@@ -82,28 +54,11 @@ class Vehicle:
 
 
 def estimate(state: np.ndarray) -> Values:
-    x, y, yaw, v, w, slide = state
-    return {
-        "estimate.velocity.y": slide,
-        "estimate.position.x": x,
-        "estimate.position.y": y,
-        "estimate.yaw": yaw,
-        "estimate.velocity.x": v,
-        "estimate.yaw_rate": w,
-    }
+    return motion("estimate", *state)
 
 
 def message(state: np.ndarray | tuple[float, ...], age: float = 0.0) -> Values:
-    x, y, yaw, v, w, slide = (*state, 0.0)[:6]
-    return {
-        "leader.velocity.y": slide,
-        "leader.position.x": x,
-        "leader.position.y": y,
-        "leader.yaw": yaw,
-        "leader.velocity.x": v,
-        "leader.yaw_rate": w,
-        "leader.age": age,
-    }
+    return motion("leader", *state) | {"leader.age": age}
 
 
 def hand(state: np.ndarray) -> np.ndarray:
@@ -112,8 +67,7 @@ def hand(state: np.ndarray) -> np.ndarray:
 
 def error(state: np.ndarray, leader: np.ndarray, r: tuple[float, float]) -> np.ndarray:
     """h - (h_L + R(psi_L) r) in world axes."""
-    c, s = np.cos(leader[2]), np.sin(leader[2])
-    return hand(state) - hand(leader) - np.array([[c, -s], [s, c]]) @ np.array(r)
+    return hand(state) - hand(leader) - rotation(leader[2]) @ np.array(r)
 
 
 def s_curve(speed: float = 20.0, rate: float = 0.12, period: float = 20.0) -> Motion:
@@ -179,10 +133,10 @@ class Run:
 
     own: np.ndarray
     leader: np.ndarray
-    outputs: list[Values]
+    outputs: dict[str, np.ndarray]
 
     def __getitem__(self, name: str) -> np.ndarray:
-        return np.array([y[name] for y in self.outputs])
+        return self.outputs[name]
 
     def errors(self) -> np.ndarray:
         """Distance of the hand from the place wanted, for true states [m] (n)."""
@@ -202,14 +156,15 @@ def run(
     **parameters: float,
 ) -> Run:
     """One follower behind a leader; without a radio it knows the leader exactly, at every sample."""
-    follower, vehicle = Follower(**parameters), Vehicle(np.array(start, float), lag)
-    states, outputs = [], []
-    for k in range(round(seconds / T)):
+    own, vehicle = follower(**parameters), Vehicle(np.array(start, float), lag)
+
+    def step(k: int) -> dict[str, Any]:
         t = k * T
         r = place(t) if callable(place) else place
         heard = radio(t) if radio else message(leader(t))
-        y = follower.step(heard | estimate(vehicle.state) | {"formation.x": r[0], "formation.y": r[1]} | inputs(t))
+        y = own.step(heard | estimate(vehicle.state) | {"formation.x": r[0], "formation.y": r[1]} | inputs(t))
         vehicle.drive(y)
-        states.append(leader(t))
-        outputs.append(y)
-    return Run(np.array(vehicle.rows), np.array(states), outputs)
+        return y | {"leader": leader(t)}
+
+    seen = recorded(step, round(seconds / T))
+    return Run(np.array(vehicle.rows), seen.pop("leader"), seen)

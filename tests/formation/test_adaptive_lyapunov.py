@@ -12,18 +12,20 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 import pytest
-from adaptive_loop import Unicycle, estimate, pose, rotation
+from adaptive_loop import Unicycle, estimate, pose
 from adaptive_network import INPUTS, NEURONS, OUTPUTS, output, sigma
 from scipy.integrate import solve_ivp
 
 from fmukit.direct import Direct
 from fmus.controllers.adaptive_follower import COMPONENT, model, network
+from tests.references import adaptation
+from tests.references.loop import rotation
 
 _SHAPES = [(INPUTS + 1, NEURONS), (NEURONS + 1, OUTPUTS), (INPUTS + 1, 1), (OUTPUTS, 1)]
 _SYMBOLS = [ca.SX.sym(name, *shape) for name, shape in zip(("V", "W", "xbar", "e"), _SHAPES, strict=True)]
 _LEARNING = ca.SX.sym("learning", 6)
 _RATES = ca.Function(
-    "rates", [*_SYMBOLS, _LEARNING], list(network.rates(*_SYMBOLS, network.Learning(*ca.vertsplit(_LEARNING))))
+    "rates", [*_SYMBOLS, _LEARNING], list(adaptation.rates(*_SYMBOLS, network.Learning(*ca.vertsplit(_LEARNING))))
 )
 
 
@@ -72,7 +74,7 @@ def drawn(seed: int) -> tuple[Ideal, np.random.Generator]:
 
 
 def law_level(ideal: Ideal, rng: np.random.Generator, duration: float):
-    """e' = -w S e - K e + nu_hat - nu and `network.rates`, integrated by scipy.
+    """e' = -w S e - K e + nu_hat - nu and the rates of the thesis, integrated by scipy.
 
     Times and rows of (e, W, V, |xbar|, L), L by its own rate from its first value on.
     """

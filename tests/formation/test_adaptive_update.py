@@ -9,13 +9,14 @@ from adaptive_network import INPUTS, NEURONS, OUTPUTS, draw, output, rates, sigm
 from scipy.integrate import solve_ivp
 
 from fmus.controllers.adaptive_follower import network
+from tests.references import adaptation
 
 _SHAPES = [(INPUTS + 1, NEURONS), (NEURONS + 1, OUTPUTS), (INPUTS + 1, 1), (OUTPUTS, 1)]
 _SYMBOLS = [ca.SX.sym(name, *shape) for name, shape in zip(("V", "W", "xbar", "e"), _SHAPES, strict=True)]
 _LEARNING = ca.SX.sym("learning", 6)
 _PARAMETERS = network.Learning(*ca.vertsplit(_LEARNING))
 _T = ca.SX.sym("T")
-_RATES = ca.Function("rates", [*_SYMBOLS, _LEARNING], list(network.rates(*_SYMBOLS, _PARAMETERS)))
+_RATES = ca.Function("rates", [*_SYMBOLS, _LEARNING], list(adaptation.rates(*_SYMBOLS, _PARAMETERS)))
 _ADAPT = ca.Function("adapt", [*_SYMBOLS, _LEARNING, _T], list(network.adapt(*_SYMBOLS, _PARAMETERS, _T)))
 FAST = 1e9
 

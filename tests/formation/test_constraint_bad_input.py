@@ -26,7 +26,7 @@ def _car(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def _finite(r: loop.Run) -> bool:
-    return bool(np.isfinite([list(y.values()) for y in r.outputs]).all())
+    return bool(np.isfinite(list(r.outputs.values())).all())
 
 
 def _peaceful(r: loop.Run) -> None:
@@ -123,7 +123,7 @@ def test_without_any_constraint_the_follower_goes_on_and_says_so() -> None:
 @pytest.mark.parametrize("on", [0.0, 1.0])
 def test_a_follower_without_constraints_is_advised_against_at_initialisation(on: float) -> None:
     """The FMU warns when the output that its advice names is 1 after initialisation."""
-    follower = loop.Follower(constraint__offset=on)
+    follower = loop.follower(constraint__offset=on)
     y = kernel().initialise(follower.p, follower.u, [], [], 0)[2]
     (advice,) = INTERFACE.advice
     assert float(y[INTERFACE.names("output").index(advice.output)]) == 1.0 - on
@@ -184,7 +184,7 @@ def test_a_leader_whose_messages_hop_breaks_no_limit() -> None:
 @pytest.mark.parametrize("turning", [1.0, -1.0])
 def test_a_car_that_spins_is_not_told_to(turning: float) -> None:
     """Taken over at 1 rad/s and 20 m/s, three times the grip, the commands begin within it."""
-    follower, own = loop.Follower(), np.array([-10.0, 0.0, 0.0, 20.0, turning, 0.0])
+    follower, own = loop.follower(), np.array([-10.0, 0.0, 0.0, 20.0, turning, 0.0])
     rows = [follower.step(loop.message(STRAIGHT(0.0)) | loop.estimate(own) | {"formation.x": -10.0}) for _ in range(50)]
     assert max(abs(y["command.yaw_rate"]) for y in rows) <= 0.7 * 9.81 / 20.0 + 1e-9
     assert rows[0]["saturation.yaw_rate"] == 1.0
@@ -234,7 +234,7 @@ def test_nothing_makes_it_forget_its_numbers() -> None:
     """Any input there can be: outputs stay finite and commands within their limits."""
     random = np.random.default_rng(0)
     on = dict.fromkeys(("constraint__distance", "constraint__heading", "constraint__trajectory"), 1.0)
-    follower = loop.Follower(headway=0.5, **on)
+    follower = loop.follower(headway=0.5, **on)
     names = [name for name in follower.names if name not in ("leader.age", "leader.valid")]
     for _ in range(3000):
         sizes = 10.0 ** random.uniform(-3.0, 6.0, len(names))

@@ -29,7 +29,7 @@ class Formation:
 
     def __init__(self, leader: loop.Motion, start: list[tuple[float, ...]], lag: float | None = None, **p: float):
         self.leader, self.vehicles = leader, [loop.Vehicle(np.array(s, float), lag) for s in start]
-        self.followers = [loop.Follower(**p) for _ in start]
+        self.followers = [loop.follower(**p) for _ in start]
         self.t, self.errors, self.seen = 0.0, [], []
 
     def step(

@@ -40,7 +40,7 @@ def _answer(leader: loop.Motion, z: np.ndarray, omega_n: float, zeta: float) -> 
     place = hand - loop.A * np.array([np.cos(yaw), np.sin(yaw)])
     state = np.array([*place, yaw, forward, across / loop.A])
     wide = {"limit__acceleration": 50.0, "limit__deceleration": 50.0, "limit__yaw_acceleration": 1e3}
-    follower = loop.Follower(omega_n=omega_n, zeta=zeta, limit__correction=100.0, limit__friction=5.0, **wide)
+    follower = loop.follower(omega_n=omega_n, zeta=zeta, limit__correction=100.0, limit__friction=5.0, **wide)
     inputs = loop.message(leader(0.0)) | loop.estimate(np.append(state, 0.0))
     y = follower.step(inputs | {"formation.x": PLACE[0], "formation.y": PLACE[1]})
     return _hand_acceleration(state, y) - target_acceleration
@@ -114,7 +114,7 @@ def test_commands_are_consistent(speed: float, turn: float, noise: float) -> Non
 
 def test_limits_hold_and_the_integrals_do_not_run_away() -> None:
     """A car that does not answer: commands stay at most `windup.*` from what it does."""
-    follower = loop.Follower()
+    follower = loop.follower()
     stuck = loop.estimate(np.array([0.0, 0.0, 0.0, 10.0, 0.0, 0.0]))
     rows = []
     for k in range(300):
@@ -130,7 +130,7 @@ def test_sideslip_counts_as_motion_of_the_hand() -> None:
     """A car that slides in step with its leader's motion is where it should be and asks for no correction."""
     slide = np.array([-12.0, 0.0, 0.1, 20.0 * np.cos(0.1), 0.0, -20.0 * np.sin(0.1)])
     slide[:2] += loop.A * (1.0 - np.cos(0.1)), -loop.A * np.sin(0.1)
-    y = loop.Follower().step(loop.message(loop.steady()(0.0)) | loop.estimate(slide) | {"formation.x": -12.0})
+    y = loop.follower().step(loop.message(loop.steady()(0.0)) | loop.estimate(slide) | {"formation.x": -12.0})
     assert [y["error.x"], y["error.y"]] == pytest.approx([0.0, 0.0], abs=1e-12)
     assert [y["command.acceleration"], y["command.yaw_acceleration"]] == pytest.approx([0.0, 0.0], abs=1e-9)
 
@@ -162,7 +162,7 @@ def test_the_head_of_a_formation_follows_its_trajectory_without_a_leader(heard: 
 def test_on_a_trajectory_the_own_sideslip_is_allowed_for() -> None:
     """A car that must slide by 0.03 rad follows a straight with its O1, not with its hand."""
     beta, y = -0.03, loop.Values()
-    follower = loop.Follower(constraint__offset=0.0, constraint__trajectory=1.0)
+    follower = loop.follower(constraint__offset=0.0, constraint__trajectory=1.0)
     for k in range(500):
         state = np.array([0.4 * k, 0.0, -beta, 20.0 * np.cos(beta), 0.0, 20.0 * np.sin(beta)])
         y = follower.step(loop.estimate(state) | _bus(loop.steady(), k * loop.T))

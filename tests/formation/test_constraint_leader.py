@@ -14,7 +14,7 @@ from fmus.controllers.formation import messages
 
 def _accelerations(leader: loop.Motion, seconds: float, noise: float = 0.0, **p: float) -> np.ndarray:
     """(samples, 3): filtered v_x', v_y', omega' of the leader."""
-    follower, radio, rows = loop.Follower(**p), loop.Radio(leader, noise), []
+    follower, radio, rows = loop.follower(**p), loop.Radio(leader, noise), []
     for k in range(round(seconds / loop.T)):
         y = follower.step(radio(k * loop.T) | loop.estimate(np.zeros(6)))
         rows.append([y["leader.acceleration.x"], y["leader.acceleration.y"], y["leader.yaw_acceleration"]])

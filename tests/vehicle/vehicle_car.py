@@ -49,7 +49,7 @@ class Car(Direct):
             self.x = many(self.p, self.d, self.u, self.x, h)[:, -1].full().ravel()
             self.y = self.kernel.output(self.p, self.d, self.u, self.x).full().ravel()
             rows.append(self.y)
-        return dict(zip(self._outputs, np.array(rows).T, strict=True))
+        return dict(zip(self.outputs(), np.array(rows).T, strict=True))
 
 
 def compiled(plain: Kernel, compiler: str, folder: Path) -> Kernel:

@@ -48,20 +48,12 @@ def activation(V: ca.SX, xbar: ca.SX) -> Activation:
     return Activation(a, ca.vertcat(1, s), ca.vertcat(ca.SX.zeros(1, N2), ca.diag(s * (1 - s))))
 
 
-def rates(V: ca.SX, W: ca.SX, xbar: ca.SX, e: ca.SX, learning: Learning) -> tuple[ca.SX, ca.SX]:
-    """(V', W') at the tracking error e (N3), actual minus wanted.
+def adapt(V: ca.SX, W: ca.SX, xbar: ca.SX, e: ca.SX, learning: Learning, T: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """(V, W) one sample of T [s] later, at the tracking error e (N3), actual minus wanted.
 
     V' = -G {xbar e' W' sigma' + delta_v (1 + |e|^m) V},  W' = -F {(sigma - sigma' a) e' + delta_w (1 + |e|^m) W}
-    """
-    at, leak = activation(V, xbar), _leak(e, learning.m)
-    hidden = xbar @ e.T @ W.T @ at.slope + learning.delta_v * leak * V
-    output = _teacher(at) @ e.T + learning.delta_w * leak * W
-    return -learning.G * hidden, -learning.F * output
 
-
-def adapt(V: ca.SX, W: ca.SX, xbar: ca.SX, e: ca.SX, learning: Learning, T: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """(V, W) one sample of T [s] later: `rates` at F and G slowed down together, bounded for gains of any size.
-
+    with F and G slowed down together, so that all stays bounded for gains of any size.
     g is how fast the output answers the gradient, per error. Within a sample this acts on e itself, e+ = e - T^2 g e;
     at the end of the sample (implicit Euler) it is divided by 1 + T^2 g. And the output changes with no more than
     `fastest`: g |e| <= fastest. The leak is linear in the weights, at a given e, and solved exactly.

@@ -16,7 +16,7 @@ _SLOWEST = 3.0  # m/s; the zero dynamics become ever faster towards standstill
 Ahead = Callable[[ca.SX], ca.SX]
 
 
-class Path(NamedTuple):
+class NearFuture(NamedTuple):
     """The near future of the reference: speed [m/s] and curvature [1/m] as functions of the time ahead [s]."""
 
     speed: Ahead
@@ -62,7 +62,7 @@ def steady(p: Signals, v: ca.SX, curvature: ca.SX) -> ca.SX:
     return ca.vertcat(l_R * r / ca.fmax(v, _SLOWEST) - F_R / p["design.cornering_rear"], r)
 
 
-def propagate(p: Signals, z: ca.SX, path: Path, duration: ca.SX, substeps: int) -> ca.SX:
+def propagate(p: Signals, z: ca.SX, path: NearFuture, duration: ca.SX, substeps: int) -> ca.SX:
     """z after `duration` [s] from now, by the classical Runge-Kutta method."""
     h = duration / substeps
     for k in range(substeps):
@@ -76,7 +76,7 @@ def propagate(p: Signals, z: ca.SX, path: Path, duration: ca.SX, substeps: int) 
     return z
 
 
-def steering(p: Signals, z: ca.SX, path: Path, time: ca.SX) -> ca.SX:
+def steering(p: Signals, z: ca.SX, path: NearFuture, time: ca.SX) -> ca.SX:
     """delta_ff [rad] at `time` ahead, where the zero dynamics are at z.
 
     delta_ff = F_F/C_F + beta + l_F' r/v + sigma/v F_F'/C_F; the last term makes up for the tyre's relaxation.

@@ -63,7 +63,7 @@ def _between(nodes: ca.MX) -> ca.MX:
 def control(p: Signals, u: Signals, x: Parts, K: ca.SX) -> tuple[Parts, Parts]:
     """States and outputs of a sample: errors, feedback with the gain K, feed-forward."""
     reference = {name: u[f"reference.{name}"] for name in REFERENCE}
-    path = inversion.Path(_ahead(u, "speed"), _ahead(u, "curvature"))
+    path = inversion.NearFuture(_ahead(u, "speed"), _ahead(u, "curvature"))
     steady = inversion.steady(p, reference["speed"], reference["curvature"])
     z = ca.if_else(x["started"], x["zero_dynamics"], steady)
     velocity, q, slow = u.vector("estimate.velocity", "xy"), x["yaw_answer"], x["sideslip"]
@@ -102,7 +102,7 @@ def _feedback(p: Signals, K: ca.SX, e: ca.SX, integrals: ca.SX, moving: ca.SX) -
     return du, integrals + (du == wanted) * growth
 
 
-def _commands(p: Signals, z: ca.SX, path: inversion.Path, acceleration: inversion.Ahead, du: ca.SX) -> Parts:
+def _commands(p: Signals, z: ca.SX, path: inversion.NearFuture, acceleration: inversion.Ahead, du: ca.SX) -> Parts:
     """The commands: the reference taken ahead by the delay of each channel, plus the feedback."""
     early, soon, later = (lead(p) for lead in (leads.steering, leads.yaw_rate, leads.speed))
     z_steer = inversion.propagate(p, z, path, early, 4)

@@ -15,8 +15,8 @@ from fmus.controllers.mpc_allocator.linearise import N_X
 from fmus.double_track import distribution
 
 
-@block(p=slots(INTERFACE, "parameter"), x=N_X, a=2, available=4, U=4, command=1, Ts=1)
-def limits(p: Signals, x: ca.SX, a: ca.SX, available: ca.SX, U: ca.SX, command: ca.SX, Ts: ca.SX) -> tuple[ca.SX, ...]:
+@block(p=slots(INTERFACE, "parameter"), x=N_X, a=2, available=4, U=4, command=1)
+def limits(p: Signals, x: ca.SX, a: ca.SX, available: ca.SX, U: ca.SX, command: ca.SX) -> tuple[ca.SX, ...]:
     """Low, high of u at once (3 x 2) and later (3 x 2), step of u per node (3), low, high of the wheels now (4 x 2).
 
     a          accelerations behind the wheel loads [m/s2]
@@ -24,7 +24,7 @@ def limits(p: Signals, x: ca.SX, a: ca.SX, available: ca.SX, U: ca.SX, command: 
     U          forces of the wheels before [N]
     command    steering angle asked for before [rad]
     """
-    motors, car = distribution.limits_of(p), design_car(p)
+    motors, car, Ts = distribution.limits_of(p), design_car(p), p["sample_period"]
     slow = ca.vertcat(x[:2], ca.fmax(x[2], SLOWEST), x[3:])
     _, F_z, F_t = distribution.without_drive(car, slow, a)
     whole = distribution.bounds(motors, F_z, F_t, x[2], available=available)

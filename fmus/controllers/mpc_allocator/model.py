@@ -44,7 +44,7 @@ def sample(p: Signals, u: Signals, x: Parts) -> tuple[Parts, Parts]:
     seen, e, near = _observe(p, u, x, ref.nodes[:, 0], (routed, sighted, usable))
     seen["motors"] = ca.if_else(told, u.pick(_MOTORS), x["motors"])
     car, wheels = seen["car"], (x["acceleration"], seen["motors"], x["forces"])
-    first, later, step, reach = limits.limits(p, car, *wheels, x["command"], p["sample_period"])
+    first, later, step, reach = limits.limits(p, car, *wheels, x["command"])
     u_r, found, tracking = programs.predict(p, x, ref.nodes, near, seen["disturbance"], (first, later, step))
     fresh = (ref.age <= p["trajectory.timeout"]) * (seen["estimate_age"] <= p["estimate.timeout"])
     good = usable * fresh * ref.known * tracking.good
