@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import difflib
-import re
 from collections.abc import Iterable
 
 from fmukit.errors import UserError
-
-_NUMBERED = re.compile(r".*\[errno \d+\] ", re.IGNORECASE)
 
 
 class CosimError(UserError):
@@ -32,8 +29,3 @@ def unknown(kind: str, name: str, known: Iterable[str], look: str = "") -> Cosim
     if len(candidates) <= 12:
         return CosimError(f"unknown {kind} {name!r}; known are {', '.join(candidates) or 'none'}")
     return CosimError(f"unknown {kind} {name!r}" + (f"; {look}" if look else ""))
-
-
-def because(error: OSError) -> str:
-    """What the operating system said, without its error number and what libraries put around it."""
-    return _NUMBERED.sub("", error.strerror or str(error)) or type(error).__name__

@@ -15,6 +15,8 @@ from typing import Any, NoReturn
 
 import typer
 
+from fmukit.errors import because
+
 MISTAKE, INTERRUPTED = 2, 130
 PASS_ON = {"allow_interspersed_args": False, "ignore_unknown_options": True}
 """Settings of a subcommand whose options, from its first argument on, belong to a program it starts."""
@@ -61,7 +63,7 @@ def run(application: Application, arguments: Sequence[str] | None = None) -> NoR
         status = _app(application, given)(given, prog_name=application.name, standalone_mode=False)
     except typer.TyperException as error:
         _end(application, f"{_usage(error)} `{application.name} --help` shows what there is", MISTAKE)
-    except typer.Abort:
+    except (typer.Abort, KeyboardInterrupt):
         status = INTERRUPTED
     except tuple(application.told) as error:
         _end(application, _sentence(error), _status(application, error))
@@ -114,7 +116,7 @@ def _usage(error: typer.TyperException) -> str:
 
 def _sentence(error: Exception) -> str:
     if isinstance(error, OSError):
-        return f"{error.filename}: {error.strerror}" if error.filename else str(error.strerror or error)
+        return f"{error.filename}: {because(error)}" if error.filename else because(error)
     return str(error)
 
 

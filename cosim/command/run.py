@@ -13,7 +13,7 @@ from cosim.command.options import Assignments, Events, Name, Seed, StopTime
 from cosim.command.show import show
 from cosim.command.terminal import notices, progress
 from cosim.engine.schedule import Scheme
-from cosim.errors import RunFailedError, RunInterruptedError, because
+from cosim.errors import RunFailedError, RunInterruptedError
 from cosim.model.system import parse_assignments, parse_events
 from cosim.results.summary import Summary
 from cosim.run.prepare import RunPlan
@@ -21,6 +21,7 @@ from cosim.run.request import Request
 from cosim.run.running import OVERVIEW, Finished, run
 from cosim.scenario.discovery import load
 from fmukit.console import console_of
+from fmukit.errors import because
 
 
 def run_command(

@@ -13,10 +13,11 @@ from fmpy import platform, sharedLibraryExtension
 
 from cosim.engine.fmu import FmuSlave
 from cosim.engine.slave import Slave
-from cosim.errors import CosimError, because
+from cosim.errors import CosimError
 from cosim.model.assembly import Node
 from cosim.model.face import Face, read_face
 from cosim.model.system import System
+from fmukit.errors import because
 from fmukit.unpacking import ArchiveError, unpack
 
 Find = Callable[[str], Path]

@@ -24,10 +24,10 @@ from cosim.engine.bound import Bound, gather
 from cosim.engine.order import Action, Order, Tick
 from cosim.engine.schedule import Schedule, active_ticks
 from cosim.engine.slave import Memory, Slave, SlaveError, do_nothing
-from cosim.errors import because
 from cosim.model.assembly import Node
 from cosim.model.clock import SECOND, to_seconds
 from cosim.model.signals import Signal, Vector
+from fmukit.errors import because
 
 _BLOCK = 64  # ticks between two looks at the interrupt flag and the progress display
 

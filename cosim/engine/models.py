@@ -9,8 +9,8 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Protocol
 
-from cosim.errors import CosimError, because, unknown
-from fmukit.errors import BuildError
+from cosim.errors import CosimError, unknown
+from fmukit.errors import BuildError, because
 from fmukit.store import cache_folder
 
 GROUP = "cosim.models"

@@ -12,7 +12,7 @@ from cosim.engine.advice import pass_on
 from cosim.engine.loader import Loader
 from cosim.engine.master import Master, Outcome
 from cosim.engine.slave import Slave, SlaveError
-from cosim.errors import CosimError, because
+from cosim.errors import CosimError
 from cosim.model.clock import SECOND, to_seconds
 from cosim.results.reading import Facts, Results, load_results
 from cosim.results.recorder import Recorder, recorded
@@ -21,6 +21,7 @@ from cosim.results.summary import SUMMARY, Summary, summarise, write_summary
 from cosim.run.interrupts import interrupts
 from cosim.run.prepare import RunPlan, plan
 from cosim.run.request import Request
+from fmukit.errors import because
 
 OVERVIEW = "overview.png"
 WRITTEN = (SUMMARY, OVERVIEW, PARQUET, STREAM)

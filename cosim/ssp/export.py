@@ -14,7 +14,7 @@ from pathlib import Path
 from xml.etree import ElementTree as ET
 
 from cosim.engine.loader import Loader
-from cosim.errors import CosimError, because
+from cosim.errors import CosimError
 from cosim.model.assembly import Connection, Node
 from cosim.model.clock import to_seconds
 from cosim.model.face import Port, Value
@@ -22,6 +22,7 @@ from cosim.model.units import BASE, Unit
 from cosim.run.prepare import plan
 from cosim.run.request import Request
 from cosim.ssp.packing import Model, packed, take_tables_along
+from fmukit.errors import because
 from fmukit.files import write
 from fmukit.packing import pack
 

@@ -33,7 +33,7 @@ class Values:
         self._set_vrs: list[int] | None = None
 
     def reals(self, vrs: list[int]) -> list[float]:
-        """The values of Real variables."""
+        """The values of Real variables. A slice is taken here, as a further call would be felt in every exchange."""
         access = self._getting if vrs == self._get_vrs else self._gettable(vrs, "Real")
         where = access.where
         return access.read(self._buffer) if where is None else self._buffer[where].tolist()

@@ -15,9 +15,9 @@ from importlib.metadata import version
 from pathlib import Path
 
 import fmus
-from cosim.errors import CosimError, because
+from cosim.errors import CosimError
 from fmukit import store
-from fmukit.errors import BuildError
+from fmukit.errors import BuildError, because
 from fmus.planner import hocp, trajectory
 from fmus.planner.errors import PlanningError
 from fmus.planner.hocp import Plan, Road

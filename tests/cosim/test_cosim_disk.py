@@ -14,13 +14,14 @@ from cosim_mocks import Mock, face, plan_of, scenario_of
 
 from cosim.command import main as cli
 from cosim.engine.models import find
-from cosim.errors import CosimError, because, unknown
+from cosim.errors import CosimError, unknown
 from cosim.model.system import System
 from cosim.results import recorder, storage
 from cosim.results.reading import Facts, load_results
 from cosim.results.summary import Summary
 from cosim.run.request import Request
 from cosim.run.running import execute, run
+from fmukit.errors import because
 from fmukit.unpacking import ArchiveError, unpack
 
 FULL = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))

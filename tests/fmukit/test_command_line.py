@@ -37,7 +37,7 @@ def fail(how: str) -> None:
         "mistake": ValueError("this is wrong"),
         "failure": Broken("it broke"),
         "disk": OSError(28, "No space left on device", "file.txt"),
-        "socket": OSError("no file at all"),
+        "library": OSError("Writing failed. Detail: [errno 28] No space left on device"),
         "interrupt": KeyboardInterrupt(),
         "status": typer.Exit(7),
     }[how]
@@ -128,7 +128,7 @@ def test_without_arguments_the_help_is_shown(program: Program) -> None:
     [
         ("failure", 3, "hi: it broke\n"),
         ("disk", 1, "hi: file.txt: No space left on device\n"),
-        ("socket", 1, "hi: no file at all\n"),
+        ("library", 1, "hi: No space left on device\n"),
         ("interrupt", 130, "hi: interrupted\n"),
         ("status", 7, ""),
     ],
