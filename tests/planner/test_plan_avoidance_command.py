@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fmus.cli import main
 
+from fmus.command.main import main
 from fmus.planner.evasion import table
 from fmus.planner.evasion.last_point import search
 

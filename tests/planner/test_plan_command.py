@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fmus.cli import main
 
 from cosim.command.main import main as cosim
+from fmus.command.main import main
 from fmus.planner import plans
 
 

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fmus.cli import main
 
 from fmus.cars.nominal import DESIGN
+from fmus.command.main import main
 
 SHORT = ("double-lane-change", "-m", "20", "--json")
 
