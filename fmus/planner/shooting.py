@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
 
+from fmukit.integration import rk4
 from fmus.planner import sensitivity
 
 _CALL: dict[str, Any] = {"never_inline": True}
@@ -31,18 +31,9 @@ def interval(f: ca.Function, substeps: int) -> ca.Function:
 def _substep(f: ca.Function) -> ca.Function:
     x, u, h = ca.SX.sym("x", f.size1_in(0)), ca.SX.sym("u", f.size1_in(1)), ca.SX.sym("h")
     constants = [ca.SX.sym("c", f.size1_in(2))] if f.n_in() > 2 else []
-    end = ca.cse(_rk4(lambda at: f(at, u, *constants), x, h))
+    end = ca.cse(rk4(lambda at, _: f(at, u, *constants), x, h))
     differentiable = {"is_diff_in": [True] * 3 + [False] * len(constants)}
     return ca.Function("substep", [x, u, h, *constants], [end], _CALL | differentiable)
-
-
-def _rk4(f: Callable[[ca.SX], ca.SX], x: ca.SX, h: ca.SX) -> ca.SX:
-    """x after h [s] of x' = f(x), by the classical Runge-Kutta method."""
-    k1 = f(x)
-    k2 = f(x + h / 2 * k1)
-    k3 = f(x + h / 2 * k2)
-    k4 = f(x + h * k3)
-    return x + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
 
 
 @dataclass(frozen=True, slots=True)
