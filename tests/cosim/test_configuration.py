@@ -72,6 +72,17 @@ def test_mistakes_are_in_the_words_of_the_user(signal, value, sentence):
         configured((signal, value))
 
 
+@pytest.mark.parametrize("number", [float("inf"), "inf", "9" * 400, 10**400])
+def test_a_count_beyond_all_numbers_is_a_mistake(number):
+    with pytest.raises(CosimError, match=r"^hlc\.count = \w+ is not a whole number$"):
+        configured(("hlc.count", number))
+
+
+@pytest.mark.parametrize("pattern", ["h**", "h**t", "**count", "*.c*t", "???.count"])
+def test_two_stars_may_hold_the_dot_after_an_instance(pattern):
+    assert configured((pattern, "20")).value("hlc", "count") == 20
+
+
 def test_a_period_is_told_to_the_sampling_grid_unless_that_is_set():
     assert configured().value("llc", "sample_period") == 0.02
     assert configured(("llc.sample_period", 0.01)).value("llc", "sample_period") == 0.01
