@@ -110,6 +110,7 @@ def test_rows_only_every_so_often(cosim, tmp_path):
     [
         ("--record-every", "-1", "the time between two recorded rows is -1 s"),
         ("--stop-time", "nan", "the stop time is nan s"),
+        ("--stop-time", "1e300", "the stop time is 1e+300 s"),
     ],
 )
 def test_a_time_that_cannot_be_is_told_first(cosim, tanks, tank, offer, tmp_path, option, value, thing):
