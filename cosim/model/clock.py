@@ -13,9 +13,9 @@ _ROUNDING = 1e-6  # [ns] decimal seconds such as 0.1 + 0.2 miss the whole nanose
 
 def nanoseconds(seconds: float, owner: str) -> int:
     """The whole number of nanoseconds in a positive `seconds`; the error names `owner`."""
-    if not (math.isfinite(seconds) and seconds > 0.0):
-        raise CosimError(f"{owner} is {seconds:g} s; it must be positive and finite")
     exact = seconds * SECOND
+    if not (math.isfinite(exact) and seconds > 0.0):
+        raise CosimError(f"{owner} is {seconds:g} s; it must be positive and finite")
     whole = round(exact)
     if whole == 0 or abs(exact - whole) > max(_ROUNDING, 1e-15 * exact):
         raise CosimError(f"{owner} is {seconds!r} s, which is not a whole number of nanoseconds")

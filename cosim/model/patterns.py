@@ -29,9 +29,13 @@ def matches_any(name: str, patterns: Iterable[str]) -> bool:
 
 
 def fits_beginning(name: str, pattern: str) -> bool:
-    """Whether `name` and something after a dot could fit `pattern`: `car1.llc` begins what `car*.llc.speed` fits."""
-    parts = pattern.split(".")
-    return any(matches(name, ".".join(parts[:count])) for count in range(1, len(parts)))
+    """Whether `name` and something after a dot could fit `pattern`: `car1.llc` begins what `car*.llc.speed` fits.
+
+    The pattern goes on after one of its dots, or anywhere in what a ** of it stands for.
+    """
+    dots = (found.start() for found in re.finditer(r"\.", pattern))
+    inside = (found.end() for found in re.finditer(r"\*\*", pattern))
+    return any(matches(name, pattern[:end]) for end in (*dots, *inside))
 
 
 @cache

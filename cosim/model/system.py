@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from cosim.errors import CosimError, unknown
+from cosim.model.clock import SECOND
 from cosim.model.face import Value
 from cosim.model.patterns import is_pattern
 
@@ -106,7 +107,7 @@ class System:
         It takes effect when the instance next takes its inputs, at that time or after it. Of two events for one input
         at one time the later call counts. `signal` may be a pattern.
         """
-        if not (math.isfinite(time) and time >= 0.0):
+        if not (math.isfinite(time * SECOND) and time >= 0.0):
             raise CosimError(f"{signal} cannot be set at {time:g} s; give a time that is finite and not negative")
         self._expect_instance(signal)
         self.events.append(Event(time, signal, value))

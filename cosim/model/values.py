@@ -36,9 +36,11 @@ def _boolean(where: str, value: Value) -> bool:
 
 def _number(where: str, value: Value, *, whole: bool) -> float | int:
     try:
-        number = int(value) if whole else float(value)
+        number = int(value) if whole and math.isfinite(float(value)) else float(value)
     except ValueError:
         raise CosimError(f"{where} = {value} is not {'a whole number' if whole else 'a number'}") from None
+    except OverflowError:  # a whole number beyond all doubles
+        number = math.inf
     if not math.isfinite(number) or (whole and float(value) != number):
         raise CosimError(f"{where} = {value} is not {'a whole' if whole else 'a finite'} number")
     return number

@@ -14,7 +14,7 @@ from cosim.scenario.definition import Scenario
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """One run to be made.
+    """One run to be made; raises CosimError for times that cannot be.
 
     `assignments` are (instance.variable or scenario.setting, text); `events` are (time [s], instance.variable, text),
     besides those of the scenario. `step` [s] is one communication step for all instances instead of a period for each.
@@ -33,6 +33,9 @@ class Request:
     record_every: float | None = None
     record_all: bool = False
     find: Callable[[str], Path] = find
+
+    def __post_init__(self) -> None:
+        _ = self.stop, self.interval  # before anything is prepared, or removed from the folder
 
     @property
     def stop(self) -> int:

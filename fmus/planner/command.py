@@ -79,7 +79,7 @@ def plan_command(
 
 @wraps(plan_command)
 def alias(*arguments: Any, **options: Any) -> None:
-    """`cosim plan`, its former name: the same, with a remark."""
+    """The former name of `fmus plan`: does the same, after a remark."""
     print("fmus: `cosim plan` is `fmus plan` now", file=sys.stderr)
     plan_command(*arguments, **options)
 

@@ -72,6 +72,22 @@ def test_mistakes_are_in_the_words_of_the_user(signal, value, sentence):
         configured((signal, value))
 
 
+@pytest.mark.parametrize("number", [float("inf"), "inf", "9" * 400, 10**400])
+def test_a_count_beyond_all_numbers_is_a_mistake(number):
+    with pytest.raises(CosimError, match=r"^hlc\.count = \w+ is not a whole number$"):
+        configured(("hlc.count", number))
+
+
+@pytest.mark.parametrize("pattern", ["h**", "h**t", "**count", "*.c*t", "???.count"])
+def test_two_stars_may_hold_the_dot_after_an_instance(pattern):
+    assert configured((pattern, "20")).value("hlc", "count") == 20
+
+
+def test_an_event_beyond_all_nanoseconds_is_a_mistake():
+    with pytest.raises(CosimError, match=r"^llc\.u cannot be set at 1e\+300 s; give a time that is finite"):
+        configured().system.at(1e300, "llc.u", 1.0)
+
+
 def test_a_period_is_told_to_the_sampling_grid_unless_that_is_set():
     assert configured().value("llc", "sample_period") == 0.02
     assert configured(("llc.sample_period", 0.01)).value("llc", "sample_period") == 0.01

@@ -103,11 +103,25 @@ def test_rows_only_every_so_often(cosim, tmp_path):
     assert code == 0
     assert json.loads((tmp_path / "summary.json").read_text())["record_every"] == 0.3
     assert load_results(tmp_path, Facts({})).time.tolist() == [0.0, 0.3, 0.6, 0.9, 1.0]
-    code, _, err = cosim("run", "tanks", "-o", str(tmp_path / "no"), "--record-every", "-1")
-    assert (code, err) == (
-        2,
-        "cosim: the time between two recorded rows is -1 s; it must be positive and finite\n",
-    )
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "thing"),
+    [
+        ("--record-every", "-1", "the time between two recorded rows is -1 s"),
+        ("--stop-time", "nan", "the stop time is nan s"),
+        ("--stop-time", "1e300", "the stop time is 1e+300 s"),
+    ],
+)
+def test_a_time_that_cannot_be_is_told_first(cosim, tanks, tank, offer, tmp_path, option, value, thing):
+    assert cosim("run", "tanks", "-o", str(tmp_path), "--quiet")[0] == 0
+    kept = (tmp_path / "results.parquet").read_bytes()
+    prepared = []
+    offer(tanks(prepare=prepared.append), {"Tank": tank})
+    answer = cosim("run", "tanks", "-o", str(tmp_path), "--explain", option, value)
+    assert answer == (2, "", f"cosim: {thing}; it must be positive and finite\n")
+    assert not prepared
+    assert (tmp_path / "results.parquet").read_bytes() == kept
 
 
 def test_signals_left_out_are_recorded_when_asked_for(cosim, tanks, tank, offer, tmp_path):
