@@ -15,7 +15,7 @@ from typing import Any, NoReturn
 
 import typer
 
-from fmukit.errors import because
+from fmukit.errors import UserError, because
 
 MISTAKE, INTERRUPTED = 2, 130
 PASS_ON = {"allow_interspersed_args": False, "ignore_unknown_options": True}
@@ -99,9 +99,12 @@ def _subcommands(application: Application, asked: str) -> list[Subcommand]:
 
 
 def loaded(function: str) -> Any:
-    """The function named "module:function"; imports the module."""
+    """The function named "module:function"; imports the module. Raises UserError when that cannot be."""
     module, _, name = function.partition(":")
-    return getattr(import_module(module), name)
+    try:
+        return getattr(import_module(module), name)
+    except (ImportError, AttributeError) as error:
+        raise UserError(f"the command at {function} cannot be loaded: {error}") from None
 
 
 def _nothing() -> None:

@@ -14,10 +14,18 @@ def first_line(function: str) -> str:
     source = _source(module)
     if source is None:
         return ""
-    for node in ast.parse(source.read_text("utf-8")).body:
+    for node in _parsed(source):
         if isinstance(node, ast.FunctionDef) and node.name == name:
             return (ast.get_docstring(node) or "").partition("\n")[0]
     return ""
+
+
+def _parsed(source: Path) -> list[ast.stmt]:
+    """The statements of a Python file; none when it is not one."""
+    try:
+        return ast.parse(source.read_text("utf-8")).body
+    except (OSError, ValueError, SyntaxError):
+        return []
 
 
 def _source(module: str) -> Path | None:

@@ -13,7 +13,7 @@ Assignments = Annotated[
 ]
 Events = Annotated[
     list[str] | None,
-    typer.Option("--at", metavar="S:instance.input=value", help="From S [s] on an unconnected input has this value."),
+    typer.Option("--at", metavar="S:instance.input=value", help="Set an unconnected input from S seconds on."),
 ]
 Seed = Annotated[int, typer.Option(help="Seed of all noise; equal seeds give bit-identical runs.")]
-StopTime = Annotated[float | None, typer.Option("--stop-time", metavar="S", help="End of the run [s].")]
+StopTime = Annotated[float | None, typer.Option("--stop-time", metavar="S", help="End of the run, in s.")]

@@ -33,13 +33,13 @@ def run_command(
     scheme: Annotated[
         Scheme, typer.Option(help="jacobi: all step together and exchange afterwards, as most other tools do.")
     ] = "multirate",
-    step: Annotated[float | None, typer.Option(metavar="S", help="One communication step for all [s].")] = None,
+    step: Annotated[float | None, typer.Option(metavar="S", help="One communication step for all, in s.")] = None,
     folder: Annotated[
         Path | None, typer.Option("-o", "--output", help="Results folder; results/NAME if left out.")
     ] = None,
     events: Events = None,
     record_every: Annotated[
-        float | None, typer.Option(metavar="S", help="Time between two recorded rows [s]; 0 records at every tick.")
+        float | None, typer.Option(metavar="S", help="Time between two recorded rows, in s; 0 records at every tick.")
     ] = None,
     record_all: Annotated[
         bool, typer.Option("--record-all", help="Record the signals too that the scenario leaves out.")

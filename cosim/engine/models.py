@@ -5,7 +5,7 @@ An entry names a module with two functions: `names()` gives the models it has, `
 
 from __future__ import annotations
 
-from importlib.metadata import entry_points
+from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Protocol
 
@@ -28,11 +28,19 @@ class Supplier(Protocol):
 
 def find(model: str) -> Path:
     """The .fmu file of the model called `model`; raises CosimError if nobody offers it or it cannot be built."""
-    suppliers: list[Supplier] = [entry.load() for entry in entry_points(group=GROUP)]
+    suppliers = [_supplier(entry) for entry in entry_points(group=GROUP)]
     for supplier in suppliers:
         if model in supplier.names():
             return _file(supplier, model)
     raise unknown("model", model, [name for supplier in suppliers for name in supplier.names()])
+
+
+def _supplier(entry: EntryPoint) -> Supplier:
+    try:
+        supplier: Supplier = entry.load()
+    except (ImportError, AttributeError) as error:
+        raise CosimError(f"the models of {entry.value} cannot be offered: {error}") from None
+    return supplier
 
 
 def _file(supplier: Supplier, model: str) -> Path:

@@ -83,7 +83,7 @@ def assemble(configuration: Configuration, seed: int, step: float | None = None)
             _attach(nodes[wire.target], connection)
     for node in nodes.values():
         for name in node.values.keys() & node.incoming.keys():
-            raise CosimError(f"{node.name}.{name} cannot be set, as it is connected: {node.incoming[name].text}")
+            raise _connected(node, name)
     for event in sorted(system.events, key=lambda event: event.time):
         for name, variable in selected(system, faces, event.signal, ("input",)):
             _schedule(nodes[name], event, variable)
@@ -122,6 +122,10 @@ def _period(name: str, instance: Instance, face: Face, values: Mapping[str, Valu
     return nanoseconds(float(step), f"the period of {name} ({face.model})")
 
 
+def _connected(node: Node, input_: str) -> CosimError:
+    return CosimError(f"{node.name}.{input_} cannot be set, as it is connected: {node.incoming[input_].text}")
+
+
 def _schedule(node: Node, event: Event, name: str) -> None:
     """The event sets the input `name` of the node; of two at one time the later one counts."""
     port = node.face.ports.get(name)
@@ -130,7 +134,7 @@ def _schedule(node: Node, event: Event, name: str) -> None:
     if port.causality != "input":
         raise CosimError(f"{node.name}.{name} cannot change during the run: it is no input of {node.face.model}")
     if name in node.incoming:
-        raise CosimError(f"{node.name}.{name} cannot be set, as it is connected: {node.incoming[name].text}")
+        raise _connected(node, name)
     time = round(event.time * SECOND)
     due = -(-time // node.period) * node.period
     change = Change(time, due, name, coerce(event.signal, port, event.value), event.signal)

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from cosim.errors import CosimError, unknown
 from cosim.model.face import Face, Port, Value
-from cosim.model.patterns import fits_beginning, matches
+from cosim.model.patterns import fits_beginning, is_pattern, matches
 from cosim.model.system import System
 from cosim.model.values import coerce
 
@@ -60,8 +60,11 @@ class Configuration:
         return start
 
     def number(self, instance: str, variable: str) -> float:
-        """As `value`, of a variable that is a number."""
-        return float(self.value(instance, variable))
+        """As `value`, of a variable that is a number; raises CosimError for a text."""
+        value = self.value(instance, variable)
+        if isinstance(value, str):
+            raise CosimError(f"{instance}.{variable} is a text, not a number")
+        return float(value)
 
     def values(self, instance: str) -> dict[str, Value]:
         """What all parameters and inputs of the instance start with, by name; those without a start value left out."""
@@ -93,8 +96,13 @@ class Configuration:
             ) from None
 
     def follow(self, instance: str, variable: str, of: str) -> None:
-        """The variable starts with the value of the signal `of`, an `instance.variable`, unless it was set."""
-        self.default(instance, variable, self.value(*self.system.split(of)), [of])
+        """The variable starts with the value of the signal `of`, an `instance.variable`, unless it was set.
+
+        Where that is its start value anyway nothing is set.
+        """
+        value = self.value(*self.system.split(of))
+        if value != self.start(instance, variable):
+            self.default(instance, variable, value, [of])
 
     def _store(self, instance: str, variable: str, value: Value, typed: str) -> None:
         port = self._port(instance, variable, typed)
@@ -123,11 +131,14 @@ def selected(
 ) -> Iterator[tuple[str, str]]:
     """(instance, variable) of all that `signal` means: one name, or all that a pattern fits among the `causalities`.
 
-    Raises CosimError for an instance there is none of, and for a pattern that nothing fits.
+    A name is what names an existing variable, or holds no character of patterns. Raises CosimError for an instance
+    there is none of, and for a pattern that nothing fits.
     """
     if system.is_name(signal):
-        yield system.split(signal)
-        return
+        instance, variable = system.split(signal)
+        if not is_pattern(variable) or variable in faces[instance].ports:
+            yield instance, variable
+            return
     fitting = [
         (name, variable)
         for name in system.instances
@@ -144,7 +155,7 @@ def _nothing_fits(system: System, faces: Mapping[str, Face], pattern: str, causa
     near = [name for name in system.instances if fits_beginning(name, pattern)]
     if not near:
         return CosimError(
-            f"no instance fits the pattern {pattern!r}; * and ? stand for characters between two dots, "
+            f"no instance fits the pattern {pattern!r}; * and ? stand for characters between two dots and ** for any, "
             "as in car*.llc.filter.speed, and `--explain` lists the instances"
         )
     depth = max(name.count(".") for name in near) + 1

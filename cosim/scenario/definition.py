@@ -20,6 +20,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from cosim.errors import CosimError
 from cosim.scenario.metric import Metrics
 from cosim.scenario.settings import NumberSetting, Setting, Settings
 
@@ -48,8 +49,11 @@ class Scenario:
     unrecorded: Sequence[str] = ()
 
     def work(self) -> Work:
-        """What the scenario does; imports its module."""
-        work: Work = import_module(self.module).WORK
+        """What the scenario does; imports its module. Raises CosimError when that cannot be."""
+        try:
+            work: Work = import_module(self.module).WORK
+        except (ImportError, AttributeError) as error:
+            raise CosimError(f"the scenario {self.name} cannot be loaded from {self.module}: {error}") from None
         return work
 
 

@@ -48,6 +48,22 @@ def test_a_value_can_follow_another():
     assert made.number("hlc", "actuator.speed") == 25.0
 
 
+def test_what_follows_and_is_the_start_value_anyway_is_not_set():
+    made = configured(("llc.filter.speed", "30"))
+    made.follow("hlc", "actuator.speed", "llc.filter.speed")
+    assert made.changed("hlc") == {}
+
+
+@pytest.mark.parametrize("pattern", ["h**t", "hlc.*t", "hlc.c?unt"])
+def test_a_pattern_may_stand_for_the_variable_too(pattern):
+    assert configured((pattern, "9")).value("hlc", "count") == 9
+
+
+def test_a_text_is_no_number():
+    with pytest.raises(CosimError, match=r"^hlc\.file is a text, not a number$"):
+        configured().number("hlc", "file")
+
+
 def test_what_follows_and_does_not_fit_names_what_was_set():
     made = configured(("llc.filter.speed", "5"))
     with pytest.raises(CosimError) as error:
