@@ -29,7 +29,7 @@ class Facts:
     with, by instance and variable; `stop` [s] is when the run was to end, None if its last row is that time.
     """
 
-    periods: Mapping[str, float]
+    periods: Mapping[str, float] = field(default_factory=dict)
     settings: Mapping[str, Any] = field(default_factory=dict)
     values: Mapping[str, Mapping[str, Value]] = field(default_factory=dict)
     stop: float | None = None
@@ -100,8 +100,12 @@ class _Columns:
         return self._file.read(columns=[name], use_threads=False).column(name)
 
 
-def load_results(folder: Path, facts: Facts) -> Results:
-    """The results in a run's folder: the Parquet file, or what a killed run left in its stream, without a stop time."""
+def load_results(folder: Path, facts: Facts | None = None) -> Results:
+    """The results in a run's folder: the Parquet file, or what a killed run left in its stream, without a stop time.
+
+    `facts` are what the caller knows of the run beside its signals. Raises CosimError for a folder without results.
+    """
+    facts = facts or Facts()
     if (folder / PARQUET).is_file():
         return Results(_Columns(folder / PARQUET), facts)
     if (folder / STREAM).is_file():

@@ -112,7 +112,10 @@ def _concluded(made: RunPlan, outcome: Outcome) -> Finished:
     """The results read back and measured, and the summary, which is written beside them."""
     request, configured = made.request, made.configured
     results = load_results(request.folder, _facts(made))
-    metrics = configured.work.metrics(results, configured.prepared) if len(results.time) > 1 else {}
+    try:
+        metrics = configured.work.metrics(results, configured.prepared) if len(results.time) > 1 else {}
+    except Exception as error:  # code of the scenario's author, after a run whose results are good
+        metrics, outcome = {}, _unmeasured(outcome, error)
     about = (request.scenario.name, request.seed, outcome, made.nodes, metrics)
     summary = summarise(*about, request.interval, request.unrecorded)
     try:
@@ -121,6 +124,14 @@ def _concluded(made: RunPlan, outcome: Outcome) -> Finished:
         sentence = f"{request.folder / SUMMARY} cannot be written: {because(error)}"
         summary = replace(summary, status="failed", reason="; ".join(filter(None, [summary.reason, sentence])))
     return Finished(made, summary, results)
+
+
+def _unmeasured(outcome: Outcome, error: Exception) -> Outcome:
+    """The outcome of a run whose metrics could not be computed: failed at least, the reason of the run itself first."""
+    kind = "" if isinstance(error, CosimError) else f"{type(error).__name__}: "
+    sentence = f"the metrics cannot be computed: {kind}{error}"
+    status = "failed" if outcome.status == "ok" else outcome.status
+    return replace(outcome, status=status, reason="; ".join(filter(None, [outcome.reason, sentence])))
 
 
 def _facts(made: RunPlan) -> Facts:

@@ -272,3 +272,16 @@ def test_list_names_every_scenario_and_its_figures(cosim):
     listed = json.loads(cosim("list", "--json")[1])
     assert {"high-speed-tracking", "lateral-tracking", "longitudinal-tracking"} <= {entry["name"] for entry in listed}
     assert all(entry["name"] in out and entry["figures"] for entry in listed)
+
+
+def test_metrics_that_fail_leave_results_and_a_summary_that_says_so(cosim, tanks, tank, offer, tmp_path):
+    for wrong, sentence in (
+        (lambda results, _: {"ratio": Metric(1.0 / 0.0)}, "ZeroDivisionError: float division by zero"),
+        (lambda results, _: {"level": Metric(results["third.level"][-1])}, "unknown signal 'third.level'"),
+    ):
+        offer(tanks(metrics=wrong), {"Tank": tank})
+        code, _, err = cosim("run", "tanks", "-o", str(tmp_path), "--no-report")
+        assert (code, err.count("\n")) == (1, 1)
+        assert f"the metrics cannot be computed: {sentence}" in err
+        assert json.loads((tmp_path / "summary.json").read_text())["status"] == "failed"
+        assert len(load_results(tmp_path).time) == 101
