@@ -105,4 +105,5 @@ def _environment(folder: Path = ROOT) -> dict[str, str]:
     The checkout can be imported, and what a page installs into `folder`.
     """
     path = os.pathsep.join((str(Path(sys.executable).parent), os.environ.get("PATH", "")))
-    return {**os.environ, "PATH": path, "PYTHONPATH": os.pathsep.join((str(ROOT), str(folder / "site"))), "COLUMNS": "200"}
+    modules = os.pathsep.join((str(ROOT), str(folder / "site")))
+    return {**os.environ, "PATH": path, "PYTHONPATH": modules, "COLUMNS": "200"}
