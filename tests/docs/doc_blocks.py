@@ -28,9 +28,15 @@ READERS: dict[str, Callable[[Path], object]] = {
     "road.csv": read_road,
     "trajectory.csv": lambda path: read_table(str(path), INTERFACE.table, path.parent),  # type: ignore[arg-type]
     "parameters.toml": load_parameters,
+    "pyproject.toml": Path.read_text,
 }
 """By the name of the file that a block of data is, and under which the blocks after it find it."""
 RUN = ("sh", "python", "pycon")
+
+
+def is_source(block: Block) -> bool:
+    """Whether a block of Python is a file, named after the language, which the blocks after it import or install."""
+    return block.tag == "python" and block.note.endswith(".py")
 
 
 def done(block: Block, folder: Path, wanted: Callable[[str], bool]) -> str:
@@ -39,7 +45,9 @@ def done(block: Block, folder: Path, wanted: Callable[[str], bool]) -> str:
         return _script(block, folder, wanted)
     if block.tag == "pycon":
         return _example(block)
-    if block.tag == "python":
+    if is_source(block):
+        (folder / block.note).write_text(block.content, "utf-8")
+    elif block.tag == "python":
         exec(compile("\n" * block.line + block.content, "a block of Python", "exec"), {"__name__": "__main__"})
     if block.tag in PARSERS:
         PARSERS[block.tag](block.content)

@@ -23,8 +23,10 @@ _CHEAP = (
     (r"^(fmus check .*\.fmu)$", r"\1 --groups AX"),
     # the other platform needs a package that takes minutes at its first use
     (r"^(fmus build \S+) --platform .*", r"\1"),
+    # a package of the reader's, beside the documents; this environment stays as it is
+    (r"^pip install \.$", "pip install --quiet --no-index --no-deps --no-build-isolation --target site ."),
     # what is asked for is there
-    (r"^pip install ", r"pip install --quiet --no-index "),
+    (r"^pip install (?!--quiet)", r"pip install --quiet --no-index "),
 )
 _LONG = re.compile(r"python -m benchmarks|fmus plan collision-avoidance")
 
@@ -52,7 +54,7 @@ def executed(command: str, folder: Path) -> str:
     if command.startswith("pytest"):
         return tests_missing(command)
     line = ["bash", "-euo", "pipefail", "-c", cheap(command)]
-    done = subprocess.run(line, cwd=folder, env=_environment(), capture_output=True, text=True, check=False)
+    done = subprocess.run(line, cwd=folder, env=_environment(folder), capture_output=True, text=True, check=False)
     return "" if done.returncode == 0 else f"`{command}` ends with {done.returncode}: {done.stderr or done.stdout}"
 
 
@@ -97,7 +99,11 @@ def _tests(place: Path) -> str:
     return "\n".join(f"{stem} {name}" for stem, names in found for name in names)
 
 
-def _environment() -> dict[str, str]:
-    """That of this process, with the scripts of this interpreter first on the path and the checkout importable."""
+def _environment(folder: Path = ROOT) -> dict[str, str]:
+    """That of this process, with the scripts of this interpreter first on the path.
+
+    The checkout can be imported, and what a page installs into `folder`.
+    """
     path = os.pathsep.join((str(Path(sys.executable).parent), os.environ.get("PATH", "")))
-    return {**os.environ, "PATH": path, "PYTHONPATH": str(ROOT), "COLUMNS": "200"}
+    modules = os.pathsep.join((str(ROOT), str(folder / "site")))
+    return {**os.environ, "PATH": path, "PYTHONPATH": modules, "COLUMNS": "200"}

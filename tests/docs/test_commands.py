@@ -8,7 +8,7 @@ from pathlib import Path
 
 import doc_commands as commands
 import pytest
-from doc_blocks import PARSERS, READERS, RUN, done
+from doc_blocks import PARSERS, READERS, RUN, done, is_source
 from doc_pages import ROOT, Page, pages
 
 PAGES = [page for page in pages() if page.blocks()]
@@ -39,13 +39,14 @@ def test_every_block_says_what_it_is(page: Page) -> None:
         elif block.tag in PARSERS:
             assert block.note in READERS, f"{place}: name the file after the language, one of {', '.join(READERS)}"
         else:
-            assert block.note in ("", "nightly"), f"{place}: what is {block.note!r}?"
+            assert block.note in ("", "nightly") or is_source(block), f"{place}: what is {block.note!r}?"
 
 
 @needs_bash
 @every_page_with_blocks
 def test_blocks_run(page: Page, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
     for block in page.blocks():
         if block.note != "nightly" and not block.mark:
             wrong = done(block, tmp_path, lambda line: _now(line) and not commands.takes_long(line))
@@ -58,6 +59,7 @@ def test_blocks_run(page: Page, tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
 def test_long_blocks_run(page: Page, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The whole of `python -m benchmarks` has a nightly test of its own."""
     monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
     for block in page.blocks():
         if block.note == "nightly" or block.tag == "sh":
             every = block.note == "nightly"
