@@ -24,7 +24,6 @@ class AssumedCar:
     cog_height: float
     wheel_radius: float
     rolling_radius: float
-    loaded_radius: float
     wheel_inertia: float
     spring_front: float
     spring_rear: float

@@ -20,7 +20,7 @@ def single_track(car: AssumedCar) -> SingleTrackCar:
         I_zz=car.yaw_inertia,
         l_F=car.l_f,
         l_R=car.l_r,
-        R=car.loaded_radius,
+        R=car.rolling_radius,
         g=car.gravity,
         drag=0.5 * car.drag_area * car.air_density,
         front=front,

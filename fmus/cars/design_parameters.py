@@ -16,7 +16,7 @@ _TEXTS = {
     "l_f": ("m", "distance of the front axle from the centre of gravity"),
     "l_r": ("m", "distance of the rear axle from the centre of gravity"),
     "track": ("m", "track width"),
-    "loaded_radius": ("m", "height of the wheel centres above the road"),
+    "rolling_radius": ("m", "effective rolling radius of the tyres"),
     "wheel_inertia": ("kg.m2", "spin inertia of one wheel"),
     "cornering_front": ("N/rad", "cornering stiffness of the front axle"),
     "cornering_rear": ("N/rad", "cornering stiffness of the rear axle"),

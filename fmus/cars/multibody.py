@@ -34,7 +34,6 @@ def assumed_car(v: Values) -> AssumedCar:
         cog_height=_height(v, loads),
         wheel_radius=v["wheel.radius"],
         rolling_radius=v["wheel.radius"] - sinking / 3.0,
-        loaded_radius=v["wheel.radius"] - sinking,
         wheel_inertia=v["wheel.inertia.spin"],
         spring_front=v["suspension.front.stiffness"],
         spring_rear=v["suspension.rear.stiffness"],

@@ -81,7 +81,7 @@ def _coupling(all_masses: ca.SX, sprung: ca.SX) -> ca.SX:
     return ca.vertcat(ca.horzcat(0, c_z, -c_y), ca.horzcat(-c_z, 0, c_x), ca.horzcat(r_y, -r_x, 0))
 
 
-def _inertias(p: Signals) -> tuple[ca.SX, ca.SX, ca.SX]:
+def inertias(p: Signals) -> tuple[ca.SX, ca.SX, ca.SX]:
     """Inertia of knuckle and wheel about the steered axes, the wheel's spin excepted [kg m2]."""
     across = p["wheel.inertia.diametral"]
     return p["knuckle.inertia.x"] + across, p["knuckle.inertia.y"], p["knuckle.inertia.z"] + across
@@ -92,7 +92,7 @@ def _reduce(p: Signals, m_u: ca.SX, omega: ca.SX, leg: Leg) -> _Reduced:
     b = omega * ca.dot(omega, P) - ca.dot(omega, omega) * P + 2 * leg.travel_rate * ca.vertcat(w_2, -w_1, 0)
     force = ca.vertcat(m_u * b[0], m_u * b[1], leg.Q_travel)
     s, c, turn = leg.sine, leg.cosine, leg.steer_rate
-    A, B, C = _inertias(p)
+    A, B, C = inertias(p)
     w_x, w_y, w_z = c * w_1 + s * w_2, c * w_2 - s * w_1, w_3 + turn
     H = (A * w_x, B * w_y + p["wheel.inertia.spin"] * (w_y + leg.spin), C * w_z)
     h_x = A * turn * w_y + w_y * H[2] - w_z * H[1]
@@ -115,7 +115,7 @@ def _joint_accelerations(p: Signals, leg: Leg, own: _Reduced, a: ca.SX, eps: ca.
     x, y, _ = ca.vertsplit(leg.place)
     (w_x, w_y, _), (H_x, H_y, _) = own.rates, own.H
     travel = leg.Q_travel / unsprung_mass(p) - (a[2] + eps[0] * y - eps[1] * x + own.b[2])
-    steer = (leg.Q_steer - w_x * H_y + w_y * H_x) / _inertias(p)[2] - eps[2] if leg.steered else ca.SX(0)
+    steer = (leg.Q_steer - w_x * H_y + w_y * H_x) / inertias(p)[2] - eps[2] if leg.steered else ca.SX(0)
     axle = leg.cosine * eps[1] - leg.sine * eps[0] - leg.steer_rate * w_x
     return travel, steer, leg.Q_spin / p["wheel.inertia.spin"] - axle
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from fmukit.interface import AXES, Variable, continuous, group, input_, load_parameters, output
 from fmus.cars.wheels import FRONT, WHEELS
+from fmus.vehicle16dof.balance import SINKS, SOURCES, STORES
 
 MAX_SUBSTEP = 0.001
 
@@ -44,6 +45,8 @@ _OUTPUTS: list[Variable] = [
     *group(output, "tyre_force_z", WHEELS, "N", "normal force on the tyre"),
     *group(output, "slip_ratio", WHEELS, "1", "longitudinal slip after relaxation"),
     *group(output, "slip_angle", WHEELS, "rad", "slip angle after relaxation"),
+    *(output(f"energy.{name}", "J", text) for name, text in STORES.items()),
+    *(output(f"power.{name}", "W", text) for name, text in (SOURCES | SINKS).items()),
 ]
 
 INTERFACE = continuous(

@@ -9,7 +9,7 @@ from fmukit.kernel import Kernel, Parts, Signals, continuous_kernel, named
 from fmus.cars.rotation import angles
 from fmus.cars.sideslip import sideslip
 from fmus.cars.wheels import FRONT, WHEELS
-from fmus.vehicle16dof import start, static_equilibrium
+from fmus.vehicle16dof import energy, start, static_equilibrium
 from fmus.vehicle16dof.equations import derivative, evaluate
 from fmus.vehicle16dof.interface import INTERFACE
 from fmus.vehicle16dof.masses import masses
@@ -69,4 +69,6 @@ def output(p: Signals, d: Parts, u: Signals, x: Parts) -> Parts:
         **named("tyre_force_z", WHEELS, [w.contact.F_z for w in wheels]),
         **named("slip_ratio", WHEELS, x["slip_ratio"]),
         **named("slip_angle", WHEELS, ca.atan(x["slip_tangent"])),
+        **{f"energy.{name}": value for name, value in energy.energies(p, d, x, seen).items()},
+        **{f"power.{name}": value for name, value in energy.powers(p, u, x, seen).items()},
     }

@@ -66,4 +66,4 @@ def _normal_force(p: Signals, n: ca.SX, height: ca.SX) -> tuple[ca.SX, ca.SX]:
     s = ca.vertcat(0, 1, 0)
     cosine = ca.sqrt(1 - n[1] * n[1])
     r = height / cosine
-    return p["tyre.vertical_stiffness"] * ca.fmax(p["wheel.radius"] - r, 0), r / cosine * (n[1] * s - n)
+    return p["tyre.vertical_stiffness"] * ca.fmax(p["wheel.radius"] - r, 0) / cosine, r / cosine * (n[1] * s - n)

@@ -18,6 +18,8 @@ from fmus.vehicle16dof.contact import Contact
 
 FASTEST = 1000.0
 """Fastest decay [1/s] of a transient slip, for wheels spinning wildly; stable in steps of 1 ms (engineering choice)."""
+CREEP = 0.05
+"""Speed [m/s] up to which a contact patch turns as one at rest does (engineering choice)."""
 
 Slips = tuple[ca.SX, ca.SX]
 """(kappa', tan(alpha'))."""
@@ -25,7 +27,7 @@ Slips = tuple[ca.SX, ca.SX]
 
 @dataclass(frozen=True, slots=True)
 class TyreForce:
-    """Forces [N] in the contact frame, aligning moment [N.m] about the normal, rolling moment [N.m] against spin."""
+    """Forces [N] in the contact frame, aligning moment [N.m] about the upright, rolling moment [N.m] against spin."""
 
     F_x: ca.SX
     F_y: ca.SX
@@ -64,7 +66,7 @@ def slip_rates(k: TyreData, c: Contact, spin: ca.SX, slips: Slips) -> Slips:
 
 
 def force(k: TyreData, c: Contact, road: ca.SX, spin: ca.SX, slips: Slips) -> TyreForce:
-    """All forces of one tyre turning at `spin` [rad/s] on a road of friction factor `road`, at transient slips."""
+    """All forces of one tyre turning at `spin` [rad/s] against a road of friction factor `road`, at transient slips."""
     kappa, tangent = _damped(k, c, spin, slips)
     F_x, F_y = combined(k, c.F_z, road, kappa, tangent)
     fade = ca.fmax(1 - ca.fabs(tangent) / k["trail_vanishing_slip"], 0)
@@ -107,6 +109,11 @@ def _damped(k: TyreData, c: Contact, spin: ca.SX, slips: Slips) -> Slips:
     return kappa - k_V / K_x * (c.V_x - spin * c.R_e), tangent + k_V / K_y * c.V_y
 
 
-def scrub_capacity(k: TyreData, c: Contact, road: ca.SX) -> ca.SX:
-    """Largest friction moment [N.m] of the contact patch against turning on the spot; fades out with speed."""
-    return k["scrub_arm"] * k["lateral.friction"] * road * c.F_z * standstill(k, c.V_x)
+def scrub_capacity(k: TyreData, c: Contact, road: ca.SX, turning: ca.SX) -> ca.SX:
+    """Largest friction moment [N.m] of the contact patch against turning at this rate [rad/s].
+
+    It fades out with speed: what a patch slides by turning is then little of what it rolls.
+    """
+    sliding = k["scrub_arm"] * ca.fabs(turning) + CREEP
+    part = sliding / (sliding + ca.fabs(c.V_x)) * standstill(k, c.V_x)
+    return k["scrub_arm"] * k["lateral.friction"] * road * c.F_z * part

@@ -14,7 +14,7 @@ from fmus.controllers.low_level_pid import COMPONENT, steering
 from fmus.controllers.low_level_pid.model import STATES
 
 WEIGHT = DESIGN.mass * DESIGN.gravity
-R = DESIGN.loaded_radius
+R = DESIGN.rolling_radius
 
 
 @pytest.fixture(scope="module")

@@ -48,8 +48,8 @@ def test_speed(kernel: Kernel, pole: float) -> None:
         torque = sum(controller[f"wheel_torque.{w}"] - controller[f"brake_torque.{w}"] for w in WHEELS)
         drag = 0.5 * DESIGN.air_density * DESIGN.drag_area * v**2
         rolling = DESIGN.mass * DESIGN.gravity * (9e-3 + 7.2e-5 * v + 5.038848e-10 * v**4)
-        m = DESIGN.mass + 4.0 * DESIGN.wheel_inertia / DESIGN.loaded_radius**2
-        v += T * (torque / DESIGN.loaded_radius - drag - rolling) / m
+        m = DESIGN.mass + 4.0 * DESIGN.wheel_inertia / DESIGN.rolling_radius**2
+        v += T * (torque / DESIGN.rolling_radius - drag - rolling) / m
     expected = double_pole(pole, 0.5, T * np.arange(1800))
     np.testing.assert_allclose(errors, expected, atol=0.5 * 2e-3 * pole)
     assert expected.min() < -0.06  # the zero of the integral shows

@@ -134,10 +134,10 @@ def generalised_forces(car: Car, model: pin.Model, q: np.ndarray, u: np.ndarray)
         joint = model.getJointId(f"wheel.{c.name}")
         place = data.oMi[joint]
         carrier = model.getJointId(f"steer.{c.name}" if c.steered else f"travel.{c.name}")
-        moving = pin.getVelocity(model, data, carrier, pin.LOCAL_WORLD_ALIGNED)
+        moving = pin.getVelocity(model, data, joint, pin.LOCAL_WORLD_ALIGNED)
         touch = road_contact(place.translation, data.oMi[carrier].rotation[:, 1])
         J = pin.getJointJacobian(model, data, joint, pin.LOCAL_WORLD_ALIGNED)
-        F, N = tyre_wrench(car, c.name, touch, moving.linear + np.cross(moving.angular, touch.arm))
+        F, N = tyre_wrench(car, c.name, touch, moving.linear, moving.angular)
         total += J[:3].T @ F + J[3:].T @ (np.cross(touch.arm, F) + N)
         total[model.joints[joint].idx_v] += inputs[f"wheel_torque.{c.name}"] - inputs[f"brake_torque.{c.name}"]
         key, t = f"suspension.{c.axle}", travel[c.index]

@@ -77,8 +77,8 @@ def forces(car: Car, model, q: np.ndarray, u: np.ndarray, loads: np.ndarray) -> 
         r = loaded_radius(p, c.steered)
         arm = touch.arm * r / np.linalg.norm(touch.arm)
         heights.append(centre[2] + arm[2])
-        moving = pin.getVelocity(model, data, carrier, pin.LOCAL_WORLD_ALIGNED)
-        F, N = tyre_wrench(car, c.name, touch, moving.linear + np.cross(moving.angular, arm))
+        moving = pin.getVelocity(model, data, wheel, pin.LOCAL_WORLD_ALIGNED)
+        F, N = tyre_wrench(car, c.name, touch, moving.linear, moving.angular)
         F[2] = loads[c.index]
         J = pin.getJointJacobian(model, data, wheel, pin.LOCAL_WORLD_ALIGNED)
         Q += J[:3].T @ F + J[3:].T @ (np.cross(arm, F) + N)

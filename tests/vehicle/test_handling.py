@@ -54,10 +54,10 @@ def understeer(f_r: float, drag: float) -> float:
     """Understeer gradient [rad/(m/s2)] F_F'/C_F - F_R'/C_R, F' the axle forces per lateral acceleration.
 
     Without resistance (m/L) ((l_R + t)/C_F - (l_F - t)/C_R), t the pneumatic trail. Resistance changes it twice:
-    - drag at height h and the rolling moments f_r F_z R_e lift the front axle, by (drag h + f_r m g R_e)/L, which
-      moves the cornering stiffnesses;
-    - the outer wheels, loaded more, roll harder: sum(y_i f_r F_z,i R_e/r) = f_r m h' a_y R_e/r is a yaw moment against
-      the turn (h' = h with the overturning of the rolled body), which the front axle has to balance.
+    - drag at height h and the rolling moments lift the front axle, by (drag h + f_r m g r)/L, which moves the cornering
+      stiffnesses: driving forces and rolling resistance meet the axles R_e below the wheel centres, r above the road;
+    - the outer wheels, loaded more, roll harder: sum(y_i f_r F_z,i) = f_r m h' a_y is a yaw moment against the turn
+      (h' = h with the overturning of the rolled body), which the front axle has to balance.
     """
     D, weight = DESIGN, DESIGN.mass * DESIGN.gravity
     tyre = {v.name.removeprefix("tyre."): v.start for v in INTERFACE.select("parameter")}
@@ -65,7 +65,7 @@ def understeer(f_r: float, drag: float) -> float:
     loads = static_wheel_loads()[0] - lift, static_wheel_loads()[1] + lift
     C_F, C_R = (2 * F * magic.lateral_stiffness(tyre, F) for F in loads)
     k = sum(D.roll_stiffness)
-    resisting = f_r * D.mass * D.cog_height * k / (k - weight * D.cog_height) * D.rolling_radius / D.loaded_radius
+    resisting = f_r * D.mass * D.cog_height * k / (k - weight * D.cog_height)
     F_F, F_R = D.mass * (D.l_r + D.pneumatic_trail) + resisting, D.mass * (D.l_f - D.pneumatic_trail) - resisting
     return (F_F / C_F - F_R / C_R) / D.wheelbase
 
@@ -133,7 +133,7 @@ def test_secant_cornering_stiffness_of_the_design_data(car: MakeCar) -> None:
 @pytest.mark.parametrize("acceleration", [2.0, -3.0])
 def test_longitudinal_load_transfer(car: MakeCar, acceleration: float) -> None:
     D = DESIGN
-    torque = D.mass * acceleration * D.loaded_radius / 4
+    torque = D.mass * acceleration * D.rolling_radius / 4
     y = {
         n: v[-1]
         for n, v in car({**NO_RESISTANCE, "initial.speed": 20.0}, {f"wheel_torque.{w}": torque for w in WHEELS})
@@ -155,9 +155,9 @@ def test_coast_down(car: MakeCar) -> None:
     seen = -np.gradient(v, 0.1)[20:-1]
     speed = v[20:-1]
     f_r = 9e-3 + 7.2e-5 * speed + 5.038848e-10 * speed**4
-    rolling = f_r * D.mass * D.gravity * D.rolling_radius / D.loaded_radius
+    rolling = f_r * D.mass * D.gravity
     drag = 0.5 * D.air_density * D.drag_area * speed**2
-    effective = D.mass + 4 * D.wheel_inertia / (D.rolling_radius * D.loaded_radius)
+    effective = D.mass + 4 * D.wheel_inertia / D.rolling_radius**2
     assert seen == pytest.approx((rolling + drag) / effective, rel=0.01)
 
 

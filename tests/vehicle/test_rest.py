@@ -71,9 +71,9 @@ def test_start_from_rest(car: MakeCar, sign: float) -> None:
     made = car({}, {f"wheel_torque.{w}": sign * torque for w in WHEELS})
     run = made.run(3.0)
     D = DESIGN
-    effective = D.mass + 4 * D.wheel_inertia / (D.rolling_radius * D.loaded_radius)
-    resistance = D.rolling_constant * D.mass * D.gravity * D.rolling_radius / D.loaded_radius
-    expected = (4 * torque / D.loaded_radius - resistance) / effective
+    effective = D.mass + 4 * D.wheel_inertia / D.rolling_radius**2
+    resistance = D.rolling_constant * D.mass * D.gravity
+    expected = (4 * torque / D.rolling_radius - resistance) / effective
     slope = (run["velocity.x"][-1] - run["velocity.x"][99]) / 2.0
     assert sign * slope == pytest.approx(expected, rel=0.03)
     assert abs(run["position.y"]).max() < 1e-9

@@ -68,7 +68,8 @@ def test_no_force_and_no_nan_without_load(combined: ca.Function) -> None:
 def slip_rates() -> ca.Function:
     @block(p=slots(INTERFACE, "parameter"), V_x=1, V_y=1, spin=1, kappa=1, tangent=1)
     def rates(p: Signals, V_x: ca.SX, V_y: ca.SX, spin: ca.SX, kappa: ca.SX, tangent: ca.SX) -> tuple[ca.SX, ca.SX]:
-        touch = Contact(ca.SX(3, 1), ca.SX(3, 1), ca.SX(3, 1), ca.SX(4000.0), V_x, V_y, ca.SX(0.3))
+        none, zero = ca.SX(3, 1), ca.SX(0)
+        touch = Contact(none, none, none, none, ca.SX(4000.0), V_x, V_y, zero, ca.SX(0.3), zero, zero)
         return tyre.slip_rates(tyre.TyreData(p), touch, spin, (kappa, tangent))
 
     return rates.function

@@ -56,18 +56,23 @@ def road_contact(centre: np.ndarray, axle: np.ndarray) -> Touch:
     return Touch(x, np.cross(UP, x), axle, down * (centre[2] / -down[2]))
 
 
-def tyre_wrench(car: Car, wheel: str, touch: Touch, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def tyre_wrench(
+    car: Car, wheel: str, touch: Touch, velocity: np.ndarray, turning: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Force at the contact point and free moment on the wheel, in the world, from the car's outputs.
 
-    Aligning moment -t F_y about the normal, t falling with load and slip; rolling resistance f_r F_z R_e against the
-    spin. `velocity` is that of the knuckle at the contact point.
+    Aligning moment -t F_y about the upright of the wheel, t falling with load and slip; rolling resistance
+    f_r F_z R_e against the spin; F_x (R_e - r), by which the longitudinal force has the arm R_e. `velocity` is that of
+    the wheel's centre, `turning` the angular velocity of the wheel.
     """
     p = named(car)
     F_x, F_y, F_z = (car[f"tyre_force_{a}.{wheel}"] for a in "xyz")
+    r = float(np.linalg.norm(touch.arm))
     trail = p["tyre.trail"] * F_z / p["tyre.nominal_load"]
     trail *= max(0.0, 1.0 - abs(np.tan(car[f"slip_angle.{wheel}"])) / p["tyre.trail_vanishing_slip"])
     v = abs(velocity @ touch.x)
     f_r = p["tyre.rolling.constant"] + p["tyre.rolling.linear"] * v + p["tyre.rolling.quartic"] * v**4
-    R_e = p["wheel.radius"] - (p["wheel.radius"] - np.linalg.norm(touch.arm)) / 3.0
-    rolling = f_r * F_z * R_e * np.tanh(car[f"wheel_speed.{wheel}"] / p["tyre.rolling.fade"])
-    return F_x * touch.x + F_y * touch.y + F_z * UP, -trail * F_y * UP - rolling * touch.axle
+    R_e = p["wheel.radius"] - (p["wheel.radius"] - r) / 3.0
+    rolling = f_r * F_z * R_e * np.tanh(turning @ touch.axle / p["tyre.rolling.fade"])
+    moment = trail * F_y * touch.arm / r - (rolling + F_x * (R_e - r)) * touch.axle
+    return F_x * touch.x + F_y * touch.y + F_z * UP, moment

@@ -10,7 +10,7 @@ from fmus.cars.wheels import FRONT, WHEELS
 
 _DESIGN = (
     *("mass", "sprung_mass", "roll_inertia", "pitch_inertia", "yaw_inertia", "l_f", "l_r", "track"),
-    *("loaded_radius", "wheel_inertia", "cornering_front", "pneumatic_trail", "drag_area", "air_density", "gravity"),
+    *("rolling_radius", "wheel_inertia", "cornering_front", "pneumatic_trail", "drag_area", "air_density", "gravity"),
     *("steer_inertia", "steer_damping", "rolling.constant", "rolling.linear", "rolling.quartic"),
 )
 

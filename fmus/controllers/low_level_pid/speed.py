@@ -28,7 +28,7 @@ def drive(p: Signals, v: ca.SX, v_d: ca.SX, a_d: ca.SX, integral: ca.SX) -> Whee
     v, v_d [m/s] measured and filtered commanded speed, a_d [m/s2] filtered commanded acceleration.
     """
     m, g, T = p["design.mass"], p["design.gravity"], p["sample_period"]
-    r = p["design.loaded_radius"]
+    r = p["design.rolling_radius"]
     error = v_d - v
     feedback = p["speed.enabled"] * double_pole(p["speed.pole"], error, integral)
     rotating = 4 * p["design.wheel_inertia"] / r**2
