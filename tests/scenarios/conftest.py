@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
 import pytest
+from scenario_types import Configured, Run
 
 from cosim.engine.loader import Loader
 from cosim.engine.models import find
@@ -16,9 +17,6 @@ from cosim.run import prepare
 from cosim.run.request import Request
 from cosim.run.running import Finished, run
 from cosim.scenario.discovery import load
-
-Run = Callable[..., Finished]
-Configured = Callable[..., Configuration]
 
 
 @pytest.fixture(scope="session")

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 import pytest
-from conftest import Configured, Run
+from scenario_types import Configured, Run
 
 from cosim.results.reading import Facts, Results
 from scenarios.arbitrary_path.metrics import crossing, optimal_time, planned_ahead, violation

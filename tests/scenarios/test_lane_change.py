@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import Configured, Run
+from scenario_types import Configured, Run
 
 from cosim.errors import CosimError
 from cosim.results.reading import Results
