@@ -67,7 +67,9 @@ def hazards(entries: Sequence[zipfile.ZipInfo]) -> Iterator[str]:
     yield from oversize(entries)
     yield from (f"has {sentence}" for sentence in packed_otherwise(entries))
     for entry in entries:
-        if escapes(entry.filename):
+        if "\\" in entry.filename:
+            yield f"has the entry {entry.filename!r} with a backslash; folders in a zip file end with /; pack it again"
+        elif escapes(entry.filename):
             yield f"has the entry {entry.filename!r}, which leads out of the archive"
         if is_special(entry):
             yield f"has {entry.filename!r}, which is a symbolic link or device and is refused"

@@ -31,7 +31,7 @@ def _order(plan: RunPlan) -> Table:
     for step, name in enumerate(plan.schedule.sequential + plan.schedule.parallel, start=1):
         node = plan.nodes[name]
         place = str(step) if name in plan.schedule.sequential else "then, together"
-        table.add_row(place, name, node.face.model, node.face.kind, _ms(to_seconds(node.period)))
+        table.add_row(place, name, node.face.model, node.kind, _ms(to_seconds(node.period)))
     return table
 
 

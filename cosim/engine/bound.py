@@ -31,6 +31,7 @@ class Bound:
     def check(self, status: int) -> None:
         """Raise SlaveError with the slave's own words for an fmi2Status above warning."""
         if status > WARNING:
+            self.slave.failed(status)
             raise SlaveError(self.node.name, status, self.slave.message())
 
     def exchange(self) -> None:

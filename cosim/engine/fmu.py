@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Mapping, Sequence
 from ctypes import c_double, c_int, c_size_t, c_uint, c_void_p
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -18,27 +19,36 @@ from cosim.errors import CosimError
 from cosim.model.face import Face, Value
 from cosim.model.signals import Vector
 
-_ERROR = 3
+_ERROR, _FATAL = 3, 4
+
+
+@dataclass
+class Library:
+    """An FMU unpacked in `folder`. After a fatal error none of its instances may be called (FMI 2.0.4, 2.1.3)."""
+
+    face: Face
+    folder: Path
+    fatal: bool = False
 
 
 class FmuSlave:
-    """One instance of the FMU unpacked in `folder`."""
+    """One instance of an FMU. What may be called at its end depends on how far it came and how it failed."""
 
-    def __init__(self, name: str, face: Face, folder: Path) -> None:
-        self.face = face
-        self._name = name
+    def __init__(self, name: str, library: Library) -> None:
+        face = self.face = library.face
+        self._name, self._library = name, library
         self._raw = face.tool.startswith("PythonFMU")
         self._mailbox = Mailbox()
         self._callbacks = callbacks(self._mailbox, formatted=not self._raw)  # the FMU keeps a pointer to them
         try:
             self._fmu = FMU2Slave(
-                instanceName=name, guid=face.guid, modelIdentifier=face.identifier, unzipDirectory=str(folder)
+                instanceName=name, guid=face.guid, modelIdentifier=face.identifier, unzipDirectory=str(library.folder)
             )
             self._fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
         except Exception as error:
             reason = self.message() or " ".join(str(error).split())
             raise CosimError(f"cannot instantiate {name} ({face.model}): {reason}") from None
-        self._dead = False
+        self._steps = self._freed = False
 
     def set(self, values: Mapping[str, Value]) -> None:
         for name, value in values.items():
@@ -52,6 +62,7 @@ class FmuSlave:
 
     def leave(self) -> None:
         self._call("exitInitializationMode")
+        self._steps = True
 
     def bind(self, memory: Memory) -> Calls:
         component, raw = self._fmu.component, self._fmu.dll.__getitem__  # fresh functions, without FMPy's wrappers
@@ -61,18 +72,24 @@ class FmuSlave:
             self._transfer(raw("fmi2GetReal"), memory.outputs, memory.y),
         )
 
+    def failed(self, status: int) -> None:
+        self._library.fatal |= status >= _FATAL
+        self._steps &= status < _ERROR
+
     def message(self) -> str:
         text = self._mailbox.text
         return text.replace("%%", "%") if self._raw else text
 
     def close(self) -> None:
-        if self._dead:
+        if self._freed or self._library.fatal:
             return
+        self._freed = True
         with contextlib.suppress(Exception):
-            self._fmu.terminate()
+            if self._steps:
+                self._fmu.terminate()
         with contextlib.suppress(Exception):
-            self._fmu.freeInstance()
-        self._dead = True
+            if not self._library.fatal:
+                self._fmu.freeInstance()
 
     def _transfer(self, function: Any, names: Sequence[str], values: Vector) -> Call:
         if not names:
@@ -86,7 +103,7 @@ class FmuSlave:
             getattr(self._fmu, function)(*args, **options)
         except FMICallException as error:
             if error.status > WARNING:
-                self._dead = error.status > _ERROR
+                self.failed(error.status)
                 raise SlaveError(self._name, error.status, self.message()) from None
 
 

@@ -11,7 +11,7 @@ from typing import Self
 
 from fmpy import platform, sharedLibraryExtension
 
-from cosim.engine.fmu import FmuSlave
+from cosim.engine.fmu import FmuSlave, Library
 from cosim.engine.slave import Slave
 from cosim.errors import CosimError
 from cosim.model.assembly import Node
@@ -29,7 +29,7 @@ class Loader:
     def __init__(self, find: Find) -> None:
         self._find = find
         self._root = Path()
-        self._models: dict[str, tuple[Face, Path]] = {}
+        self._models: dict[str, Library] = {}
         self._slaves: list[Slave] = []
 
     def __enter__(self) -> Self:
@@ -46,29 +46,29 @@ class Loader:
 
     def faces(self, system: System) -> dict[str, Face]:
         """The face of every instance's model."""
-        return {name: self._model(instance.model)[0] for name, instance in system.instances.items()}
+        return {name: self._model(instance.model).face for name, instance in system.instances.items()}
 
     def slaves(self, nodes: Mapping[str, Node]) -> dict[str, Slave]:
         """One slave per node, instantiated but not initialised."""
-        return {name: self._instantiate(name, *self._model(node.model)) for name, node in nodes.items()}
+        return {name: self._instantiate(name, self._model(node.model)) for name, node in nodes.items()}
 
     def file(self, model: str) -> Path:
         """The .fmu file of a model: the path itself, or where `find` has the catalogue's."""
         return Path(model) if model.endswith(".fmu") else self._find(model)
 
-    def _instantiate(self, name: str, face: Face, folder: Path) -> Slave:
-        slave = FmuSlave(name, face, folder)
+    def _instantiate(self, name: str, library: Library) -> Slave:
+        slave = FmuSlave(name, library)
         self._slaves.append(slave)
         return slave
 
-    def _model(self, model: str) -> tuple[Face, Path]:
+    def _model(self, model: str) -> Library:
         if model not in self._models:
             path = self.file(model)
             folder = self._root / str(len(self._models))
             _unpack(path, folder)
             face = read_face(folder, path)
             _has_binary(folder, face, path)
-            self._models[model] = face, folder
+            self._models[model] = Library(face, folder)
         return self._models[model]
 
 
@@ -82,5 +82,9 @@ def _unpack(path: Path, folder: Path) -> None:
 def _has_binary(folder: Path, face: Face, origin: Path) -> None:
     if (folder / "binaries" / platform / (face.identifier + sharedLibraryExtension)).is_file():
         return
+    needed = f"{face.identifier}{sharedLibraryExtension}"
+    here = sorted(path.name for path in (folder / "binaries" / platform).glob("*"))
+    if here:
+        raise CosimError(f"{origin} has {', '.join(here)} for {platform}, but its modelIdentifier asks for {needed}")
     present = sorted(path.name for path in (folder / "binaries").glob("*")) or ["none"]
     raise CosimError(f"{origin} has no binary for {platform}; it has {', '.join(present)}")

@@ -38,7 +38,7 @@ class Schedule:
 
 def schedule(nodes: Mapping[str, Node], scheme: Scheme = "multirate") -> Schedule:
     """The schedule of the nodes, which stay in their given order where the dataflow leaves a choice."""
-    sampled = {name: None for name, node in nodes.items() if node.face.kind == "sampled"}
+    sampled = {name: None for name, node in nodes.items() if node.kind == "sampled"}
     continuous = tuple(name for name in nodes if name not in sampled)
     edges = {
         (connection.source, name)

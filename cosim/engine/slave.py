@@ -71,6 +71,9 @@ class Slave(Protocol):
     def leave(self) -> None:
         """Exit initialisation mode; raises SlaveError."""
 
+    def failed(self, status: int) -> None:
+        """Be told that a call of the hot loop came back with `status`: what may still be called depends on it."""
+
     def message(self) -> str:
         """The slave's last logged sentence about something wrong, or an empty string."""
 

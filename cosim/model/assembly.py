@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from cosim.errors import CosimError, unknown
 from cosim.model.clock import SECOND, nanoseconds
 from cosim.model.configuration import LOOK, SAMPLE_PERIOD, Configuration, names, selected
-from cosim.model.face import Face, Value
+from cosim.model.face import Face, Kind, Value
 from cosim.model.patterns import matches_any
 from cosim.model.system import Event, Instance, Wire
 from cosim.model.units import Conversion, conversion
@@ -59,6 +59,7 @@ class Node:
     model: str
     face: Face
     period: int
+    kind: Kind
     values: dict[str, Value]
     incoming: dict[str, Connection] = field(default_factory=dict)
     changes: list[Change] = field(default_factory=list)
@@ -74,6 +75,7 @@ def assemble(configuration: Configuration, seed: int, step: float | None = None)
     `step` [s] is one communication step for all: models that keep their own sampling grid go on sampling on it.
     """
     system, faces = configuration.system, configuration.faces
+    _one_each(system.instances, faces)
     nodes = {name: _node(name, instance, configuration, seed) for name, instance in system.instances.items()}
     if step is not None:
         for node in nodes.values():
@@ -111,7 +113,18 @@ def _node(name: str, instance: Instance, configuration: Configuration, seed: int
     face, values = configuration.faces[name], configuration.changed(name)
     if SEED in face.ports and face.ports[SEED].type == "Integer":
         values.setdefault(SEED, derived_seed(seed, name))
-    return Node(name, instance.model, face, _period(name, instance, face, values), values)
+    return Node(name, instance.model, face, _period(name, instance, face, values), instance.kind or face.kind, values)
+
+
+def _one_each(instances: Mapping[str, Instance], faces: Mapping[str, Face]) -> None:
+    """Raises CosimError where two instances share a library that holds one at a time (FMI 2.0.4, 4.3.1)."""
+    first: dict[str, str] = {}
+    for name, instance in instances.items():
+        if faces[name].single and first.setdefault(instance.model, name) != name:
+            raise CosimError(
+                f"{instance.model} can be instantiated only once per process, "
+                f"but {first[instance.model]} and {name} are both instances of it; keep one"
+            )
 
 
 def _period(name: str, instance: Instance, face: Face, values: Mapping[str, Value]) -> int:

@@ -18,8 +18,13 @@ def nanoseconds(seconds: float, owner: str) -> int:
         raise CosimError(f"{owner} is {seconds:g} s; it must be positive and finite")
     whole = round(exact)
     if whole == 0 or abs(exact - whole) > max(_ROUNDING, 1e-15 * exact):
-        raise CosimError(f"{owner} is {seconds!r} s, which is not a whole number of nanoseconds")
+        raise CosimError(f"{owner} is {seconds!r} s, which is not a whole number of nanoseconds; take {_near(exact)} s")
     return whole
+
+
+def _near(exact: float) -> str:
+    """The nearest duration of at least one nanosecond, in seconds."""
+    return f"{max(round(exact), 1) / SECOND:.9f}".rstrip("0")
 
 
 def base_tick(periods: Iterable[int]) -> int:

@@ -3,23 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
 
 from fmpy.model_description import read_model_description
+from lxml import etree
 
 from cosim.errors import CosimError
 from cosim.model.units import BASE, Unit
 from fmukit.unpacking import ArchiveError, refuse_entities
 
 Value = float | int | bool | str
+Kind = Literal["continuous", "sampled"]
 
 
 @dataclass(frozen=True, slots=True)
 class Port:
-    """One scalar variable of a model; `start` is its start value in the variable's own type, None without one."""
+    """One scalar variable of a model; `start` is its start value in the variable's own type, None without one.
+
+    `relative`: its values are differences. `items` are the names and values of an Enumeration.
+    """
 
     name: str
     reference: int
@@ -27,14 +32,20 @@ class Port:
     type: str = "Real"
     variability: str = "continuous"
     unit: str | None = None
+    relative: bool = False
     minimum: float | None = None
     maximum: float | None = None
     start: Value | None = None
+    items: tuple[tuple[str, int], ...] = ()
 
 
 @dataclass(frozen=True)
 class Face:
-    """One model. `step` is its default communication step [s]; None if it does not say."""
+    """One model. `step` is its default communication step [s]; None if it does not say.
+
+    `single`: a process can hold one instance only. `whole_steps`: each step must be one communication period long.
+    `begin` [s] is where its default experiment starts.
+    """
 
     model: str
     ports: Mapping[str, Port]
@@ -43,6 +54,9 @@ class Face:
     identifier: str = ""
     guid: str = ""
     tool: str = ""
+    single: bool = False
+    whole_steps: bool = False
+    begin: float = 0.0
 
     @cached_property
     def inputs(self) -> tuple[str, ...]:
@@ -55,14 +69,16 @@ class Face:
         return tuple(p.name for p in self.ports.values() if p.causality == "output" and p.type == "Real")
 
     @cached_property
-    def kind(self) -> Literal["continuous", "sampled"]:
+    def kind(self) -> Kind:
         """Continuous if any Real output varies continuously."""
         varied = any(self.ports[name].variability == "continuous" for name in self.outputs)
         return "continuous" if varied else "sampled"
 
     def unit(self, name: str) -> Unit | None:
-        unit = self.ports[name].unit
-        return None if unit is None else self.units.get(unit, Unit(unit))
+        port = self.ports[name]
+        if port.unit is None:
+            return None
+        return replace(self.units.get(port.unit, Unit(port.unit)), relative=port.relative)
 
 
 def read_face(folder: Path, origin: Path) -> Face:
@@ -71,13 +87,25 @@ def read_face(folder: Path, origin: Path) -> Face:
     if not xml.is_file():
         raise CosimError(f"{origin} has no modelDescription.xml, so it is not an FMU")
     try:
-        refuse_entities(xml.name, xml.read_bytes())
+        data = xml.read_bytes()
+        refuse_entities(xml.name, data)
         description = read_model_description(str(folder))
+        _read_relative(description, data)
     except ArchiveError as error:
         raise CosimError(f"{origin}: {error}") from None
     except Exception as error:
         raise CosimError(f"{origin} has an invalid modelDescription.xml: {_one_line(error)}") from None
     return _face(description, origin)
+
+
+def _read_relative(description: Any, data: bytes) -> None:
+    """Give the variables their relativeQuantity: FMPy looks for the attribute among the children of the element."""
+    said = {
+        kind.getparent().get("name"): kind.get("relativeQuantity") in ("true", "1")
+        for kind in etree.fromstring(data).iterfind("ModelVariables/ScalarVariable/Real[@relativeQuantity]")
+    }
+    for variable in description.modelVariables:
+        variable.relativeQuantity = said.get(variable.name)
 
 
 def _face(description: Any, origin: Path) -> Face:
@@ -95,14 +123,17 @@ def _face(description: Any, origin: Path) -> Face:
         identifier=description.coSimulation.modelIdentifier,
         guid=description.guid,
         tool=description.generationTool or "",
+        single=description.coSimulation.canBeInstantiatedOnlyOncePerProcess,
+        whole_steps=not description.coSimulation.canHandleVariableCommunicationStepSize,
+        begin=_begin(experiment),
     )
 
 
 def _port(variable: Any) -> Port:
     declared = variable.declaredType
-    unit, low, high = (
+    unit, relative, low, high = (
         getattr(variable, name) if getattr(variable, name) is not None or declared is None else getattr(declared, name)
-        for name in ("unit", "min", "max")
+        for name in ("unit", "relativeQuantity", "min", "max")
     )
     return Port(
         name=variable.name,
@@ -111,10 +142,19 @@ def _port(variable: Any) -> Port:
         type=variable.type,
         variability=variable.variability or ("continuous" if variable.type == "Real" else "discrete"),
         unit=unit,
+        relative=bool(relative),
         minimum=None if low is None else float(low),
         maximum=None if high is None else float(high),
         start=_start(variable.type, variable.start),
+        items=() if declared is None else tuple((item.name, int(item.value)) for item in declared.items),
     )
+
+
+def _begin(experiment: Any) -> float:
+    try:
+        return float(experiment.startTime or 0.0)
+    except (AttributeError, ValueError):  # there is no experiment, or its start is no number
+        return 0.0
 
 
 def _start(type_: str, text: str | None) -> Value | None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from cosim.errors import CosimError, unknown
 from cosim.model.clock import SECOND
-from cosim.model.face import Value
+from cosim.model.face import Kind, Value
 from cosim.model.patterns import is_pattern
 
 
@@ -18,11 +18,14 @@ class Instance:
 
     `parameters` are the values its system gives it, by the name of the variable; values in text form are converted
     to the type of the variable. `period` [s] is its communication period; None leaves it to the model.
+    `kind` says how it is run, for a model whose description does not tell: a plant ("continuous") or a controller
+    ("sampled"); None goes by the variability of its outputs.
     """
 
     model: str
     parameters: dict[str, Value] = field(default_factory=dict)
     period: float | None = None
+    kind: Kind | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,12 +78,17 @@ class System:
     events: list[Event] = field(default_factory=list)
 
     def add(
-        self, name: str, model: str, parameters: Mapping[str, Value] | None = None, period: float | None = None
+        self,
+        name: str,
+        model: str,
+        parameters: Mapping[str, Value] | None = None,
+        period: float | None = None,
+        kind: Kind | None = None,
     ) -> None:
-        """Add an instance; `period` [s] overrides the model's default step."""
+        """Add an instance; `period` [s] overrides the model's default step, `kind` how it is run."""
         if name in self.instances:
             raise CosimError(f"the system has two instances named {name}")
-        self.instances[name] = Instance(model, dict(parameters or {}), period)
+        self.instances[name] = Instance(model, dict(parameters or {}), period, kind)
 
     def connect(self, source: str, target: str, names: Mapping[str, str] | None = None) -> None:
         """Wire `source` to `target`, same name to same name, or as `names` maps inputs to outputs.

@@ -11,12 +11,16 @@ BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """One entry of UnitDefinitions; `exponents` in the order of BASE, None when the FMU gives no base unit."""
+    """One entry of UnitDefinitions; `exponents` in the order of BASE, None when the FMU gives no base unit.
+
+    `relative` is a difference of two values in that unit, to which no offset applies (FMI 2.0.4, 2.2.2).
+    """
 
     name: str
     exponents: tuple[int, ...] | None = None
     factor: float = 1.0
     offset: float = 0.0
+    relative: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,4 +48,11 @@ def conversion(source: Unit | None, target: Unit | None, where: str) -> Conversi
         raise CosimError(f"{where}: cannot relate the units {source.name} and {target.name}, as one has no base unit")
     if source.exponents != target.exponents:
         raise CosimError(f"{where}: the units {source.name} and {target.name} do not measure the same quantity")
+    if source.relative != target.relative and (source.offset or target.offset):
+        kinds = [f"a {'difference' if unit.relative else 'value'} in {unit.name}" for unit in (source, target)]
+        raise CosimError(
+            f"{where}: {kinds[0]} cannot become {kinds[1]}; relativeQuantity must be the same on both sides"
+        )
+    if source.relative:
+        return Conversion(source.factor / target.factor)
     return Conversion(source.factor / target.factor, (source.offset - target.offset) / target.factor)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -13,9 +14,12 @@ from cosim.model.assembly import Node, assemble, leave_out
 from cosim.model.clock import SECOND, to_seconds
 from cosim.model.configuration import Configuration
 from cosim.model.system import System
+from cosim.run.remarks import remarks
 from cosim.run.request import Request
 from cosim.scenario.definition import Work
 from cosim.scenario.settings import PREFIX, Settings, chosen
+
+_LOG = logging.getLogger("cosim")
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +48,11 @@ def plan(request: Request, loader: Loader) -> RunPlan:
     nodes = assemble(made.configuration, request.seed, request.step)
     _in_time(request, nodes)
     leave_out(nodes, request.unrecorded)
-    return RunPlan(request, made, nodes, schedule(nodes, request.scheme))
+    order = schedule(nodes, request.scheme)
+    _whole_steps(request, nodes, order)
+    for remark in remarks(made.configuration.system, nodes):
+        _LOG.warning("%s", remark)
+    return RunPlan(request, made, nodes, order)
 
 
 def configured(request: Request, loader: Loader) -> Configured:
@@ -65,6 +73,19 @@ def requested(system: System, request: Request) -> System:
     for time, signal, text in request.events:
         system.at(time, signal, text)
     return system
+
+
+def _whole_steps(request: Request, nodes: Mapping[str, Node], order: Schedule) -> None:
+    """Raises CosimError where the last step would be cut short of a model that takes whole steps only."""
+    for name in order.parallel:
+        node = nodes[name]
+        left = request.stop % node.period
+        if left and node.face.whole_steps:
+            stop, before, period = (to_seconds(time) for time in (request.stop, request.stop - left, node.period))
+            raise CosimError(
+                f"the run ends at {stop:g} s, within a step of {name}, which takes only whole steps of {period:g} s; "
+                f"end it at {before:g} or {before + period:g} s"
+            )
 
 
 def _in_time(request: Request, nodes: Mapping[str, Node]) -> None:

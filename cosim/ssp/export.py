@@ -21,6 +21,7 @@ from cosim.model.face import Port, Value
 from cosim.model.units import BASE, Unit
 from cosim.run.prepare import plan
 from cosim.run.request import Request
+from cosim.ssp.names import free_name, uri
 from cosim.ssp.packing import Model, packed, take_tables_along
 from fmukit.errors import because
 from fmukit.files import write
@@ -44,21 +45,24 @@ def export(request: Request, file: Path) -> Path:
         take_tables_along(node, models[node.name])
     _tell_what_is_lost(nodes)
     members = {f"resources/{model.name}": packed(model) for model in models.values()}
-    members["SystemStructure.ssd"] = structure(request.scenario.name, nodes, models, to_seconds(request.stop))
-    members |= {_values_file(node): values(node) for node in nodes.values() if node.values}
+    sets = _sets(nodes)
+    members["SystemStructure.ssd"] = structure(request.scenario.name, nodes, models, sets, to_seconds(request.stop))
+    members |= {member: values(nodes[name]) for name, member in sets.items()}
     try:
         return write(file, pack(members))
     except OSError as error:
         raise CosimError(f"cannot write {file}: {because(error)}") from None
 
 
-def structure(name: str, nodes: Mapping[str, Node], models: Mapping[str, Model], stop: float) -> bytes:
-    """SystemStructure.ssd of the nodes; `models` by instance name, `stop` [s]."""
+def structure(
+    name: str, nodes: Mapping[str, Node], models: Mapping[str, Model], sets: Mapping[str, str], stop: float
+) -> bytes:
+    """SystemStructure.ssd of the nodes; `models` and members with parameter `sets` by instance name, `stop` [s]."""
     root = ET.Element(f"{{{SSD}}}SystemStructureDescription", version="1.0", name=name, generationTool="cosim")
     system = ET.SubElement(root, f"{{{SSD}}}System", name=name)
     elements = ET.SubElement(system, f"{{{SSD}}}Elements")
     for node in nodes.values():
-        _component(elements, node, models[node.name])
+        _component(elements, node, models[node.name], sets.get(node.name))
     _connections(system, nodes.values())
     _events(system, nodes.values())
     _units(root, nodes.values())
@@ -81,9 +85,18 @@ def _models(files: Mapping[str, Path]) -> dict[str, Model]:
     models: dict[Path, Model] = {}
     for file in files.values():
         if file not in models:
-            again = sum(other.stem == file.stem for other in models)
-            models[file] = Model(file, f"{file.stem}-{again + 1}.fmu" if again else f"{file.stem}.fmu")
+            taken = {model.name.casefold() for model in models.values()}
+            models[file] = Model(file, free_name(file.stem, ".fmu", taken))
     return {instance: models[file] for instance, file in files.items()}
+
+
+def _sets(nodes: Mapping[str, Node]) -> dict[str, str]:
+    """The member that holds the parameter set of each instance with values of its own."""
+    names: dict[str, str] = {}
+    for node in nodes.values():
+        if node.values:
+            names[node.name] = free_name(node.name, ".ssv", {name.casefold() for name in names.values()})
+    return {instance: f"resources/{name}" for instance, name in names.items()}
 
 
 def _tell_what_is_lost(nodes: Mapping[str, Node]) -> None:
@@ -95,23 +108,26 @@ def _tell_what_is_lost(nodes: Mapping[str, Node]) -> None:
         )
 
 
-def _component(elements: ET.Element, node: Node, model: Model) -> None:
+def _component(elements: ET.Element, node: Node, model: Model, values_file: str | None) -> None:
     component = ET.SubElement(
         elements,
         f"{{{SSD}}}Component",
         name=node.name,
         type="application/x-fmu-sharedlibrary",
-        source=f"resources/{model.name}",
+        source=uri(f"resources/{model.name}"),
         implementation="CoSimulation",
     )
     connectors = ET.SubElement(component, f"{{{SSD}}}Connectors")
     for port in node.face.ports.values():
         if port.causality in ("input", "output"):
             _connector(connectors, port)
-    if node.values:
+    if values_file is not None:
         bindings = ET.SubElement(component, f"{{{SSD}}}ParameterBindings")
         ET.SubElement(
-            bindings, f"{{{SSD}}}ParameterBinding", type="application/x-ssp-parameter-set", source=_values_file(node)
+            bindings,
+            f"{{{SSD}}}ParameterBinding",
+            type="application/x-ssp-parameter-set",
+            source=uri(values_file),
         )
     annotations = ET.SubElement(component, f"{{{SSD}}}Annotations")
     annotation = ET.SubElement(annotations, f"{{{SSC}}}Annotation", type="cosim")
@@ -153,7 +169,8 @@ def _events(system: ET.Element, nodes: Iterable[Node]) -> None:
     if not found:
         return
     annotations = ET.SubElement(system, f"{{{SSD}}}Annotations")
-    parent = ET.SubElement(annotations, f"{{{SSC}}}Annotation", type="cosim")
+    annotation = ET.SubElement(annotations, f"{{{SSC}}}Annotation", type="cosim")
+    parent = ET.SubElement(annotation, f"{{{COSIM}}}Events")  # an annotation holds one element
     for change, node in sorted(found, key=lambda pair: pair[0].time):
         time, value = repr(to_seconds(change.time)), _literal(change.value)
         names = {"time": time, "element": node.name, "connector": change.variable, "value": value}
@@ -180,10 +197,6 @@ def _units(root: ET.Element, nodes: Iterable[Node]) -> None:
             base.set("offset", repr(used[name].offset))
 
 
-def _values_file(node: Node) -> str:
-    return f"resources/{node.name}.ssv"
-
-
 def _literal(value: Value) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
@@ -193,7 +206,7 @@ def _literal(value: Value) -> str:
 
 
 def _text(root: ET.Element) -> bytes:
-    for prefix, uri in _PREFIXES.items():
-        ET.register_namespace(prefix, uri)
+    for prefix, namespace in _PREFIXES.items():
+        ET.register_namespace(prefix, namespace)
     ET.indent(root)
     return bytes(ET.tostring(root, "UTF-8", xml_declaration=True)) + b"\n"

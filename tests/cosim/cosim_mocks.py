@@ -100,6 +100,9 @@ class Mock:
 
         return Calls(set_, step, get)
 
+    def failed(self, status: int) -> None:
+        self.log.append(("failed", status))
+
     def message(self) -> str:
         return self.reason
 

@@ -90,7 +90,7 @@ def test_mistakes_are_in_the_words_of_the_user(signal, value, sentence):
 
 @pytest.mark.parametrize("number", [float("inf"), "inf", "9" * 400, 10**400])
 def test_a_count_beyond_all_numbers_is_a_mistake(number):
-    with pytest.raises(CosimError, match=r"^hlc\.count = \w+ is not a whole number$"):
+    with pytest.raises(CosimError, match=r"^hlc\.count = \w+ is (not a whole number|too large for any Integer)$"):
         configured(("hlc.count", number))
 
 

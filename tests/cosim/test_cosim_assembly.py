@@ -13,6 +13,7 @@ from cosim.model.units import Unit, conversion
 GAIN = Port("gain", 0, "parameter", unit="s", minimum=0.0, maximum=5.0)
 SWITCH = Port("active", 0, "parameter", "Boolean")
 SEED = Port("seed", 0, "parameter", "Integer", minimum=0, maximum=2**31 - 1)
+MODE = Port("mode", 0, "parameter", "Enumeration", items=(("comfort", 1), ("sport", 3)))
 FAULT = Port("fault", 0, "output", "Boolean")
 
 
@@ -24,7 +25,7 @@ def pair(source: Face, target: Face, names=None):
     return assembled(system, {"source": source, "target": target}, 0)
 
 
-def single(parameters, period=None, extra=(GAIN, SWITCH, SEED)):
+def single(parameters, period=None, extra=(GAIN, SWITCH, SEED, MODE)):
     system = System()
     system.add("car1.llc", "Mock", period=period)
     for name, value in parameters.items():
@@ -91,6 +92,12 @@ def test_an_input_is_fed_once_and_not_set_as_well():
         ({"car1.llc.gian": "1"}, r"unknown variable of car1\.llc \(Mock\) 'gian'; did you mean gain"),
         ({"car1.llc.active": "maybe"}, "is not a Boolean; write true or false"),
         ({"car1.llc.seed": "1.5"}, "is not a whole number"),
+        ({"car1.llc.seed": "inf"}, "is not a whole number"),
+        ({"car1.llc.seed": "2147483648"}, r"= 2147483648 is outside its range 0 \.\.\. 2147483647"),
+        ({"car1.llc.seed": "4294967297"}, "is outside its range"),
+        ({"car1.llc.seed": "9" * 40}, "is too large for any Integer"),
+        ({"car1.llc.mode": "sports"}, r"mode = sports is none of comfort \(1\), sport \(3\)"),
+        ({"car1.llc.mode": "2"}, r"is none of comfort \(1\), sport \(3\)"),
         ({"car1.llc.y": "1"}, r"car1\.llc\.y is an output"),
         ({"car2.llc.gain": "1"}, "unknown instance"),
     ],
@@ -103,6 +110,12 @@ def test_bad_values(setting, sentence):
 def test_values_take_the_type_of_their_port():
     node = single({"car1.llc.gain": "2", "car1.llc.active": "off", "car1.llc.u": "-1"})
     assert node.values == {"gain": 2.0, "active": False, "u": -1.0, "seed": derived_seed(7, "car1.llc")}
+
+
+def test_whole_numbers_and_items_in_any_spelling():
+    for text, value in {"3.0": 3, "1e2": 100, "-0": 0, "+7": 7}.items():
+        assert single({"car1.llc.seed": text}).values["seed"] == value
+    assert [single({"car1.llc.mode": text}).values["mode"] for text in ("sport", "3", 1)] == [3, 3, 1]
 
 
 def test_seeds_differ_by_instance_and_run_and_can_be_set():

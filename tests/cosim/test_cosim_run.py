@@ -9,7 +9,7 @@ import pytest
 from cosim_mocks import Mock, face, plan_of
 
 from cosim.command.explain import explanation
-from cosim.engine.fmu import FmuSlave
+from cosim.engine.fmu import FmuSlave, Library
 from cosim.engine.slave import Memory
 from cosim.model.face import read_face
 from cosim.model.system import System
@@ -116,7 +116,7 @@ def test_two_runs_in_one_process_do_not_see_each_others_messages(tank, tmp_path)
     slaves = []
     for name in ("one", "two"):
         unpack(tank, tmp_path / name)
-        slaves.append(FmuSlave("tank", read_face(tmp_path / name, tank), tmp_path / name))
+        slaves.append(FmuSlave("tank", Library(read_face(tmp_path / name, tank), tmp_path / name)))
     leaky, sound = slaves
     leaky.set({"fail_at": 0.0})
     for slave in slaves:

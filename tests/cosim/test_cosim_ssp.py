@@ -2,6 +2,7 @@
 
 import zipfile
 from pathlib import Path
+from urllib.parse import unquote
 
 import fmpy.ssp
 import pytest
@@ -39,14 +40,20 @@ def nodes():
     system.add("car1.sensor", "Mock", {"gain": "1e-17", "seed": 7, "on": "true", "file": 'a<b>&"c"'})
     system.add("heater", "Mock", period=0.02)
     system.connect("car1.sensor", "heater")
-    faces = {"car1.sensor": face({}, {"t": "degC", "d": "mm"}, extra=parameters), "heater": face({"t": "K", "d": "m"})}
+    system.at(1.0, "heater.spare", 2.0)
+    system.at(2.0, "heater.spare", 3.0)
+    faces = {
+        "car1.sensor": face({}, {"t": "degC", "d": "mm"}, extra=parameters),
+        "heater": face({"t": "K", "d": "m", "spare": "m"}),
+    }
     return assembled(system, faces)
 
 
 @pytest.fixture
 def root(nodes):
     models = {name: Model(Path("Mock.fmu"), "Mock.fmu") for name in nodes}
-    return valid(structure("mocked & checked", nodes, models, 3.0), "SystemStructureDescription.xsd")
+    sets = {"car1.sensor": "resources/car1.sensor.ssv"}
+    return valid(structure("mocked & checked", nodes, models, sets, 3.0), "SystemStructureDescription.xsd")
 
 
 def test_conversions_are_written_out(root):
@@ -73,6 +80,11 @@ def test_components_connectors_and_periods(root):
     assert kinds == [("t", "output"), ("d", "output")]
     assert component[1].find(".//ssc:Annotation", NAMES)[0].get("period") == "0.02"
     assert root.find("ssd:DefaultExperiment", NAMES).get("stopTime") == "3.0"
+
+
+def test_all_events_are_in_one_annotation(root):
+    events = root.findall("ssd:System/ssd:Annotations/ssc:Annotation", NAMES)[0][0]
+    assert [(event.get("time"), event.get("value")) for event in events] == [("1.0", "2.0"), ("2.0", "3.0")]
 
 
 def test_values_of_every_type_survive(nodes):
@@ -120,6 +132,29 @@ def test_a_file_with_its_fmus_and_values(tank, tmp_path):
     parameters = {p.get("name"): p[0].get("value") for p in etree.fromstring(text).iter(f"{{{SSV}}}Parameter")}
     assert parameters.keys() == {"inflow", "seed"}
     assert parameters["inflow"] == "2.0"
+
+
+NAMED = ["one/Car.fmu", "two/Car.fmu", "Car-2.fmu", "two/CAR.fmu", "car#1.fmu", "car%41.fmu", "größe 1.fmu"]
+
+
+def test_every_fmu_and_instance_has_a_file_of_its_own(tank, tmp_path):
+    """Also where only the case differs, where a name looks numbered, and where a URI or a path means something else."""
+    system, names = System(), ["Car", "car", "../x", "a/b", "a_b", "é", "c"]
+    for name, file in zip(names, NAMED, strict=True):
+        (tmp_path / file).parent.mkdir(exist_ok=True)
+        (tmp_path / file).write_bytes(tank.read_bytes())
+        system.add(name, str(tmp_path / file), {"fail_at": 5.0}, period=0.01)
+    scenario = scenario_of("named", lambda _settings, _prepared: system, stop_time=1.0)
+    made = export(Request(scenario, tmp_path), tmp_path / "named.ssp")
+    with zipfile.ZipFile(made) as archive:
+        root = valid(archive.read("SystemStructure.ssd"), "SystemStructureDescription.xsd")
+        members = archive.namelist()
+    sources = [component.get("source") for component in root.findall(".//ssd:Component", NAMES)]
+    bindings = [binding.get("source") for binding in root.findall(".//ssd:ParameterBinding", NAMES)]
+    assert sorted(unquote(uri) for uri in sources + bindings) == sorted(set(members) - {"SystemStructure.ssd"})
+    assert len({member.casefold() for member in members}) == len(members) == 2 * len(names) + 1
+    assert sources[4:6] == ["resources/car%231.fmu", "resources/car%2541.fmu"]
+    assert all(member.count("/") <= 1 and ".." not in member for member in members)
 
 
 def test_a_file_that_cannot_be_written(tank, tmp_path):
