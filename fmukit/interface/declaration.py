@@ -6,8 +6,8 @@ import math
 import re
 import zlib
 from collections import Counter
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from typing import Literal
 
 from fmukit.interface.variable import Causality, Variable, parameter
@@ -21,13 +21,15 @@ _SEEDS = 2**31
 class CsvTable:
     """A numeric CSV file read at initialisation, named by the String parameter `parameter` (empty: no file).
 
-    `rows` is the capacity; with `increasing` the first column must increase strictly.
+    `rows` is the capacity; with `increasing` the first column must increase strictly. `names` are other names that the
+    columns may have, in another order and after a #.
     """
 
     parameter: str
     columns: tuple[str, ...]
     rows: int
     increasing: bool = True
+    names: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

@@ -32,12 +32,16 @@ class Scalar:
 
 @dataclass(frozen=True, slots=True)
 class TableFile:
-    """The CSV file to read at initialisation: its path is the value of the String parameter at `slot`."""
+    """The CSV file to read at initialisation: its path is the value of the String parameter at `slot`.
+
+    `names` are other names that its columns may have, and the columns they stand for.
+    """
 
     slot: int
     columns: tuple[str, ...]
     rows: int
     increasing: bool = True
+    names: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,7 +139,8 @@ def _scalar(entry: Entry) -> Scalar:
 
 
 def _table(entry: Entry, slots: Mapping[str, int]) -> TableFile:
-    return TableFile(slots[entry["parameter"]], tuple(entry["columns"]), entry["rows"], entry["increasing"])
+    columns, names = tuple(entry["columns"]), tuple(entry["names"].items())
+    return TableFile(slots[entry["parameter"]], columns, entry["rows"], entry["increasing"], names)
 
 
 def _remark(entry: Entry, slots: Mapping[str, int]) -> Remark:

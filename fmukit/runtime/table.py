@@ -43,20 +43,26 @@ def _rows(path: str, spec: TableFile) -> list[list[float]]:
             lines = [line for line in csv.reader(file, skipinitialspace=True) if line]
     except (OSError, ValueError, csv.Error) as error:
         raise TableError(f"table {path} cannot be read ({error}); give the path of a CSV file") from error
-    _check_shape(path, lines, spec)
+    order = _order(path, lines, spec)
     rows = [_numbers(path, number, line, spec) for number, line in enumerate(lines[1:], start=2)]
+    rows = [[row[k] for k in order] for row in rows]
     for number, (before, after) in enumerate(pairwise(rows), start=3):
         if spec.increasing and not before[0] < after[0]:
             raise TableError(f"table {path}, row {number}: {spec.columns[0]} must increase from row to row")
     return rows
 
 
-def _check_shape(path: str, lines: list[list[str]], spec: TableFile) -> None:
+def _order(path: str, lines: list[list[str]], spec: TableFile) -> list[int]:
+    """Where each column is in a line."""
     header = tuple(cell.strip() for cell in lines[0]) if lines else ()
-    if header != spec.columns:
+    others = dict(spec.names)
+    named = tuple(others.get(cell.lstrip("# "), "") for cell in header)
+    if header != spec.columns and sorted(named) != sorted(spec.columns):
         raise TableError(f"table {path} must start with the line {','.join(spec.columns)}, not {','.join(header)}")
     if not 2 <= len(lines) - 1 <= spec.rows:
         raise TableError(f"table {path} has {len(lines) - 1} rows; it must have 2 to {spec.rows}")
+    seen = header if header == spec.columns else named
+    return [seen.index(name) for name in spec.columns]
 
 
 def _numbers(path: str, number: int, line: list[str], spec: TableFile) -> list[float]:

@@ -38,7 +38,13 @@ def plan_command(
         typer.Argument(help="double-lane-change, test-drive, the CSV file of a centre line, or collision-avoidance."),
     ],
     *,
-    m: Annotated[int, typer.Option("-m", "--intervals", help="Intervals of the plan.")] = 80,
+    m: Annotated[
+        int | None,
+        typer.Option("-m", "--intervals", help="Intervals of the plan: 80, or as many as the road of a file needs."),
+    ] = None,
+    closed: Annotated[
+        bool, typer.Option("--closed", help="The road of the file is joined to its start: plan the flying lap.")
+    ] = False,
     grid: Annotated[
         Literal["gate", "time"], typer.Option(help="gate: nodes on gates across the road; time: equal intervals.")
     ] = "gate",
@@ -63,11 +69,15 @@ def plan_command(
         return
     if lost_motor and forces_file is None:
         raise UserError("--lost-motor changes the wheel forces only; name their file with --forces")
+    if closed and _on_command_line(context, "speed"):
+        raise UserError("a flying lap has no start, so no --speed there; leave one of --closed and --speed out")
     target, planned = file if file is not None else Path(f"{Path(name).stem}-plan.csv"), CARS[car]()
     try:
         road = None if name in plans.ROADS else Path(name)
         files.check_outputs([target] if forces_file is None else [target, forces_file], road)
-        found = plans.named(name, m, grid, speed, planned.vehicle)
+        for remark in plans.road_remarks(name, closed=closed):
+            print(f"fmus: {remark}", file=sys.stderr)
+        found = plans.named(name, m, grid, speed, planned.vehicle, closed=closed)
         trajectory.write(found, target)
         figures = _figures(found, target)
         if forces_file is not None:
@@ -118,6 +128,7 @@ def _figures(plan: Plan, target: Path) -> dict[str, Any]:
         "replay_error": plan.replay_error(restart=True),
         "status": plan.status,
         "iterations": plan.iterations,
+        "intervals": len(plan.nodes.T),
         "solve_time": plan.solve_time,
         "derivatives": plan.how,
         "file": str(target),

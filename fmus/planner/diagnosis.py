@@ -22,7 +22,7 @@ _PLACE = (1, 4, _SPEED)
 _SAME = 1e-2
 
 FINE = 40
-"""Intervals to try when there is no plan on less than half as many (engineering choice)."""
+"""Intervals to try at least when there is no plan on less (engineering choice)."""
 
 Remedy = Callable[[Ends, Gates], Ends]
 """(prescribed ends, gates) -> the ends of a plan with these. Raises SearchError when none is found."""
@@ -38,28 +38,34 @@ def check_ends(vehicle: Vehicle, gates: Gates, ends: Ends) -> None:
                 raise PlanningError(f"the {name} at the {text} is {value:g}; it must be in [{least:g}, {most:g}]")
 
 
-def explained(
-    failure: SearchError, ends: Ends, gates: Gates, search: Remedy, finer: Gates | None = None
-) -> PlanningError:
-    """The failure with what would do instead: a finer mesh, the least part of the ends that must give way, or the road.
+def explained(failure: SearchError, ends: Ends, gates: Gates, search: Remedy, finer: Gates) -> PlanningError:
+    """The failure with what would do instead: a finer mesh, the least part of the ends that must give way.
 
-    `finer` gates are given when the mesh is so coarse that it may be the matter.
+    Else where it breaks: a search that fails shows nothing of the road. `finer` gates are tried with the ends as they
+    are.
     """
-    if finer is not None:
-        with suppress(SearchError):
-            search(ends, finer)
-            return PlanningError(f"{failure}; there is one on {len(finer.frames) - 1} intervals, take more of them")
+    with suppress(SearchError):
+        search(ends, finer)
+        return PlanningError(f"{failure}; there is one on {len(finer.frames) - 1} intervals, take more of them")
+    instead = ends_instead(failure, ends, lambda other: search(other, gates))
+    if isinstance(instead, PlanningError):
+        return instead
+    x, y = gates.frames[instead, :2]
+    return PlanningError(
+        f"{failure}, and with free ends it breaks near x = {x:.1f} m, y = {y:.1f} m; "
+        "the car may be unable to drive there, or the mesh be unlucky: take other intervals, or give it more room there"
+    )
+
+
+def ends_instead(failure: SearchError, ends: Ends, search: Callable[[Ends], Ends]) -> PlanningError | int:
+    """The failure with the least part of the ends that must give way; the interval of the break if no ends would do."""
     try:
-        free = search(Ends(_freed(ends.first, *_PLACE), _freed(ends.last)), gates)
+        free = search(Ends(_freed(ends.first, *_PLACE), _freed(ends.last)))
     except SearchError as again:
-        x, y = gates.frames[again.interval, :2]
-        return PlanningError(
-            f"{failure}, and with free ends it breaks near x = {x:.1f} m, y = {y:.1f} m; "
-            "widen the road or make it less sharp there, allow the car more force, or use another mesh"
-        )
+        return again.interval
     for relaxed in _relaxed(ends):
         try:
-            return _instead(failure, ends, search(relaxed, gates))
+            return _instead(failure, ends, search(relaxed))
         except SearchError:
             continue
     return _instead(failure, ends, free)

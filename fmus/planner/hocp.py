@@ -111,7 +111,7 @@ def plan(
     try:
         return _plan(vehicle, road, settings, attempt(settings.max_iterations, ends, gates))
     except SearchError as failure:
-        raise explained(failure, ends, gates, remedy, road.gates(FINE) if m < FINE // 2 else None) from None
+        raise explained(failure, ends, gates, remedy, road.gates(max(FINE, 2 * m))) from None
 
 
 def _check_spacing(gates: Gates) -> None:

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.spatial import cKDTree
 
-from fmus.planner.errors import PlanningError
 from fmus.planner.gates import Array, Gates, check_widths, checked
 
-COLUMNS = ("x", "y", "width_left", "width_right")
 _DENSE = 20
+WINDOW = 20.0
+"""[m]: so near to a place that is known."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,35 +30,56 @@ class PathRoad:
 
     def gates(self, m: int) -> Gates:
         """m + 1 gates at equal distances along the centre line; between them the road is checked at its own points."""
-        curve, s, _ = self._curve()
-        check_widths(self._across(s))
+        curve, s, _ = self.curve()
+        check_widths(self.across())
         return checked(self._across(_even(curve, s, m)))
+
+    def across(self) -> Gates:
+        """Gates at its own points, unchecked."""
+        return self._across(self.curve()[1])
 
     def edges(self, count: int) -> tuple[Array, Array]:
         """`count` points (count, 2) of the left and of the right edge, less the clearance, for drawing: unchecked."""
-        curve, s, _ = self._curve()
+        curve, s, _ = self.curve()
         gates = self._across(_even(curve, s, count - 1))
         return gates.point(gates.high), gates.point(gates.low)
 
     def _across(self, at: Array) -> Gates:
         """Gates at the distances `at` (n,) [m]."""
-        curve, s, widths = self._curve()
+        curve, _, _ = self.curve()
         tangent = curve(at, 1)
         heading = np.unwrap(np.arctan2(tangent[:, 1], tangent[:, 0]))
-        left, right = (np.interp(at, s, widths[:, j]) - self.clearance for j in (0, 1))
+        left, right = self.room(at).T
         return Gates(np.column_stack([curve(at), heading]), -right, left, self.closed)
+
+    def room(self, at: Array) -> Array:
+        """(n, 2) [m] from the spline at its places `at` (n,) to the left and to the right edge, less the clearance."""
+        _, s, widths = self.curve()
+        return np.column_stack([np.interp(at, s, widths[:, j]) - self.clearance for j in (0, 1)])
 
     def violation(self, points: Array) -> float:
         """Largest distance [m] by which the points (n, 2) leave the road less its clearance; 0 inside."""
-        curve, s, widths = self._curve()
-        dense = np.linspace(s[0], s[-1], _DENSE * len(s))
-        near = dense[cKDTree(curve(dense)).query(points)[1]]
-        tangent, away = curve(near, 1), points - curve(near)
-        lateral = (tangent[:, 0] * away[:, 1] - tangent[:, 1] * away[:, 0]) / np.hypot(*tangent.T)
-        left, right = (np.interp(near, s, widths[:, j]) - self.clearance for j in (0, 1))
-        return float(max(0.0, np.max(lateral - left), np.max(-right - lateral)))
+        return float(max(0.0, self.outside(points).max()))
 
-    def _curve(self) -> tuple[CubicSpline, Array, Array]:
+    def outside(self, points: Array, near: Array | None = None) -> Array:
+        """(n, 2) [m] by which the points (n, 2) are beyond the left and the right edge, less than 0 inside.
+
+        They are taken across the nearest place on the spline; with `near` (n,), the nearest within WINDOW metres of
+        these places, which matters where a road crosses itself.
+        """
+        curve, s, _ = self.curve()
+        dense = np.linspace(s[0], s[-1], _DENSE * len(s))
+        at = dense[_nearest(curve(dense), points, near, dense, self.closed)]
+        tangent, away = curve(at, 1), points - curve(at)
+        lateral = (tangent[:, 0] * away[:, 1] - tangent[:, 1] * away[:, 0]) / np.hypot(*tangent.T)
+        left, right = self.room(at).T
+        return np.column_stack([lateral - left, -right - lateral])
+
+    def curve(self) -> tuple[CubicSpline, Array, Array]:
+        """The spline, its parameters at the points (n,), about distances [m], and the widths (n, 2) there.
+
+        On a closed road the last point is the first.
+        """
         points, widths = self.points, self.widths
         if self.closed:
             points, widths = np.vstack([points, points[:1]]), np.vstack([widths, widths[:1]])
@@ -67,46 +87,16 @@ class PathRoad:
         return CubicSpline(s, points, bc_type="periodic" if self.closed else "not-a-knot"), s, widths
 
 
-def read_road(path: Path, clearance: float = 0.84, closed: bool = False) -> PathRoad:
-    """A road from a CSV file with the columns x, y, width_left, width_right [m]; PlanningError says what is wrong."""
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            rows = list(csv.reader(file))
-    except OSError as error:
-        raise PlanningError(f"the road {path} cannot be read ({error.strerror}); name a CSV file") from error
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise PlanningError(f"the road {path} is not a text in UTF-8; name a CSV file") from error
-    header = tuple(cell.strip() for cell in rows[0]) if rows else ()
-    if header != COLUMNS:
-        raise PlanningError(f"the road {path} must begin with the line {','.join(COLUMNS)}")
-    table = np.array([_numbers(path, number, row) for number, row in enumerate(rows[1:], 2) if row])
-    _check(path, table, closed)
-    return PathRoad(table[:, :2], table[:, 2:], clearance, closed)
-
-
-def _numbers(path: Path, line: int, row: list[str]) -> list[float]:
-    try:
-        values = [float(cell) for cell in row]
-    except ValueError:
-        values = []
-    if len(values) != len(COLUMNS) or not np.isfinite(values).all():
-        raise PlanningError(f"line {line} of the road {path} must hold {len(COLUMNS)} finite numbers")
-    return values
-
-
-def _check(path: Path, table: Array, closed: bool) -> None:
-    if len(table) < 4:
-        raise PlanningError(f"the road {path} has {len(table)} points; give at least 4")
-    if (table[:, 2:] < 0).any():
-        raise PlanningError(
-            f"the road {path} has a negative width in row {int(np.argmin(table[:, 2:].min(axis=1))) + 1}"
-        )
-    around = np.vstack([table, table[:1]]) if closed else table
-    gaps = np.hypot(*np.diff(around[:, :2], axis=0).T)
-    if (gaps == 0).any():
-        raise PlanningError(
-            f"the road {path} has the same point twice in a row, row {int(np.argmin(gaps)) + 1}; drop one"
-        )
+def _nearest(line: Array, points: Array, near: Array | None, at: Array, closed: bool) -> NDArray[np.int64]:
+    """Rows (n,) of the `line` nearest to the points, near the places `near` of the places `at` of its rows if given."""
+    if near is None:
+        return np.asarray(cKDTree(line).query(points)[1])
+    reach = max(1, round(WINDOW / (at[1] - at[0])))
+    rows = np.searchsorted(at, near)[:, None] + np.arange(-reach, reach + 1)
+    rows = rows % (len(at) - 1) if closed else np.clip(rows, 0, len(at) - 1)
+    away = line[rows] - points[:, None, :]
+    best = np.argmin(away[..., 0] ** 2 + away[..., 1] ** 2, axis=1)
+    return np.asarray(rows[np.arange(len(rows)), best])
 
 
 def _even(curve: CubicSpline, s: Array, m: int) -> Array:

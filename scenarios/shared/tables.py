@@ -21,7 +21,8 @@ def read_columns(file: str, interface: Interface) -> dict[str, Vector]:
     table = interface.table
     assert table is not None
     try:
-        cells, count = read(file, TableFile(0, table.columns, table.rows, table.increasing), Path())
+        spec = TableFile(0, table.columns, table.rows, table.increasing, tuple(table.names.items()))
+        cells, count = read(file, spec, Path())
     except TableError as error:
         raise CosimError(str(error)) from None
     rows = np.reshape(cells, (-1, len(table.columns)))[:count]

@@ -17,7 +17,7 @@ from doc_pages import Block
 from fmukit.interface import load_parameters
 from fmukit.runtime.table import read as read_table
 from fmus.controllers.reference.interface import INTERFACE
-from fmus.planner.path_road import read_road
+from fmus.planner.road_file import read_road
 
 PARSERS: dict[str, Callable[[str], object]] = {
     "csv": lambda text: list(csv.reader(io.StringIO(text), strict=True)),

@@ -13,6 +13,9 @@ from pathlib import Path
 import pytest
 from fmu_driver import Instance
 
+from fmukit.runtime.description import TableFile
+from fmukit.runtime.table import TableError, read
+
 Make = Callable[[str], Instance]
 
 
@@ -185,6 +188,18 @@ def test_bad_table_discards_every_step_until_reset(make: Make, tmp_path: Path, k
     assert instance["fault"] == 1
     instance.fmu.reset()
     assert instance.initialise().step(5e-3)
+
+
+@pytest.mark.parametrize("header", ["# h_m,t_s", "#h_m, t_s", "h_m,t_s"])
+def test_columns_by_other_names_and_in_another_order(tmp_path: Path, header: str) -> None:
+    file = tmp_path / "other.csv"
+    file.write_text(f"{header}\n5,0\n6,1\n")
+    spec = TableFile(0, ("time", "level"), 3, True, (("t_s", "time"), ("h_m", "level")))
+    assert read(str(file), spec, Path())[0].tolist() == [0, 5, 1, 6, 1, 6]
+    for wrong in ("# h_m,t_s,t_s\n5,0,0\n", "# h_m\n5\n", "# time,level\n0,5\n"):
+        file.write_text(wrong)
+        with pytest.raises(TableError, match="must start with the line time,level"):
+            read(str(file), spec, Path())
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="has neither pipes nor devices among its files")

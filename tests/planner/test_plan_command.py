@@ -8,10 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from circuits import circuit
 
 from cosim.command.main import main as cosim
 from fmus.command.main import main
 from fmus.planner import plans
+from fmus.planner.path_road import PathRoad
 
 
 def run(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
@@ -84,9 +86,36 @@ def test_road_of_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
     assert (tmp_path / "road-plan.csv").is_file()
 
 
+def test_flying_lap_of_a_race_track(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The file as published; open, the same file is planned from its first point on, with a remark."""
+    monkeypatch.chdir(tmp_path)
+    rows = "".join(f"{x:.6f},{y:.6f},{w[1]:.3f},{w[0]:.3f}\n" for (x, y), w in _rows(circuit("eight")))
+    (tmp_path / "track.csv").write_text("# x_m,y_m,w_tr_right_m,w_tr_left_m\n" + rows)
+    assert run(monkeypatch, "track.csv", "--closed", "--json") == 0
+    seen = capsys.readouterr()
+    figures = json.loads(seen.out)
+    assert not seen.err and figures["violation"] <= 0.02
+    path = np.loadtxt(tmp_path / "track-plan.csv", delimiter=",", skiprows=1)
+    np.testing.assert_allclose(path[-1, 1:3], path[0, 1:3], atol=1e-5)
+    assert path[-1, 4] == pytest.approx(path[0, 4], abs=1e-5) and figures["final_time"] == pytest.approx(path[-1, 0])
+    assert run(monkeypatch, "track.csv", "--json") == 0
+    seen = capsys.readouterr()
+    assert json.loads(seen.out)["final_time"] > figures["final_time"], "from 10 m/s on"
+    assert seen.err == "fmus: track.csv ends where it begins; with --closed the flying lap is planned\n"
+    assert run(monkeypatch, "track.csv", "--closed", "--speed", "20") == 2
+    assert "a flying lap has no start" in capsys.readouterr().err
+
+
+def _rows(road: PathRoad) -> zip:
+    return zip(road.points.tolist(), road.widths.tolist(), strict=True)
+
+
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
+        (["double-lane-change", "--closed"], "only the CSV file of a road can be closed"),
         (["double-lane-chnge"], "did you mean double-lane-change?"),
         (["moon"], "known are double-lane-change, test-drive"),
         (["none.csv"], "the road none.csv cannot be read (No such file or directory); name a CSV file"),

@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 from fmus.planner.errors import PlanningError
-from fmus.planner.path_road import PathRoad, read_road
+from fmus.planner.path_road import PathRoad
 from fmus.planner.road import double_lane_change
+from fmus.planner.road_file import read_road
+from fmus.planner.road_rows import is_ring
 
 
 def published(x: float) -> tuple[float, float]:
@@ -120,3 +122,35 @@ def test_a_good_file(tmp_path: Path) -> None:
     gates = read_road(file, clearance=1.0).gates(4)
     np.testing.assert_allclose(gates.frames[:, 0], [0, 10, 20, 30, 40], atol=1e-9)
     assert (gates.low[2], gates.high[2]) == (-1.0, 2.0)
+
+
+TRACK = "# x_m,y_m,w_tr_right_m,w_tr_left_m\n"
+
+
+def test_a_race_track_as_published(tmp_path: Path) -> None:
+    """The width to the right comes first, the header behind a #, and the last point is joined to the first."""
+    file = tmp_path / "track.csv"
+    file.write_text(TRACK + "".join(f"{x:.6f},{y:.6f},2.000,3.000\n" for x, y in circle(50.0)))
+    road = read_road(file, clearance=1.0, closed=True)
+    assert road.gates(20).low == pytest.approx(np.full(21, -1.0)) and road.gates(20).high == pytest.approx(
+        np.full(21, 2.0)
+    )
+    file.write_text(TRACK.replace("# ", "#").replace(",", ", ") + "0,0,2,3\n10,0,2,3\n20,0,2,3\n30,0,2,3\n")
+    assert read_road(file).widths[0].tolist() == [3.0, 2.0]
+
+
+def test_a_closed_road_may_repeat_its_first_point(tmp_path: Path) -> None:
+    rows = [f"{x:.6f},{y:.6f},3,3\n" for x, y in circle(50.0)]
+    file = tmp_path / "ring.csv"
+    file.write_text(HEADER + "".join(rows + rows[:1]))
+    assert len(read_road(file, closed=True).points) == 60
+    assert is_ring(read_road(file).points), "open, it is a ring all the same"
+    file.write_text(HEADER + "".join(rows + rows[1:3]))
+    with pytest.raises(PlanningError, match="goes past its start: row 62"):
+        read_road(file, closed=True)
+
+
+def test_rings() -> None:
+    assert is_ring(circle(50.0)) and not is_ring(circle(50.0)[:40])
+    there_and_back = np.array([[x, 0.0] for x in range(0, 50, 5)] + [[x, 1.0] for x in range(50, -5, -5)])
+    assert not is_ring(there_and_back), "it would have to turn round where it is joined"

@@ -8,9 +8,9 @@ from pathlib import Path
 from fmukit.interface import CsvTable, Variable, group, input_, load_parameters, output, sampled
 from fmus.cars import published
 from fmus.controllers.bus import trajectory_bus
+from fmus.planner.road_file import COLUMNS, PUBLISHED
 
 ROWS = 4000
-COLUMNS = ("x", "y", "width_left", "width_right")
 _HERE = Path(__file__).parent
 _UNUSED = ("wheel.radius",)
 
@@ -59,5 +59,5 @@ INTERFACE = sampled(
         *trajectory_bus(output),
         *_OUTPUTS,
     ],
-    table=CsvTable("road_file", COLUMNS, ROWS, increasing=False),
+    table=CsvTable("road_file", COLUMNS, ROWS, increasing=False, names=PUBLISHED),
 )

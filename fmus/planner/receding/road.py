@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..errors import PlanningError
 from ..gates import Gates, checked
+from ..road_rows import checked_rows
 from . import built_in
 from .centre_line import even, spline
 
@@ -19,8 +20,6 @@ MOST = 2000
 """Capacity: gates of one road."""
 _HEAD, _COLUMNS = 4, 6
 DERIVED = _HEAD + _COLUMNS * MOST
-_AGAINST = -0.7
-"""Cosine of a corner no road has twice in a row (engineering choice)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,8 +66,8 @@ class GatedRoad:
 
 def read(p: Mapping[str, Any], table: Sequence[Sequence[float]]) -> GatedRoad:
     """The road of the table, or the built-in one without; raises ValueError naming what is wrong and where."""
-    rows, closed = np.array(table or built_in.rows()), bool(p["road.closed"])
-    _check(rows, closed)
+    closed = bool(p["road.closed"])
+    rows = checked_rows(np.array(table or built_in.rows()), closed)
     curve = spline(rows[:, :2], closed)
     at, spacing = even(curve, p["road.spacing"])
     if len(at) > MOST:
@@ -98,30 +97,6 @@ def _road(frames: Array, low: Array, high: Array, spacing: float, closed: bool) 
     )
     curvature = (padded[2:] - padded[:-2]) / (2 * spacing)
     return GatedRoad(frames, low, high, curvature, spacing, closed, float(turn))
-
-
-def _check(rows: Array, closed: bool) -> None:
-    if len(rows) < 4:
-        raise ValueError(f"the road has {len(rows)} points; give at least 4")
-    if (rows[:, 2:] < 0).any():
-        raise ValueError(f"the road has a negative width in row {1 + int(np.argmin(rows[:, 2:].min(axis=1)))}")
-    around = np.vstack([rows, rows[:1]]) if closed else rows
-    gaps = np.hypot(*np.diff(around[:, :2], axis=0).T)
-    if not gaps.all():
-        what = "it ends where it began; drop the last row" if closed and gaps[-1] == 0 else "drop one"
-        raise ValueError(f"the road has the same point twice in a row, row {1 + int(np.argmin(gaps))}; {what}")
-    if closed and _overshoots(rows[:, :2]):
-        raise ValueError(
-            f"the closed road goes past its start: row {len(rows)}, its last, lies {gaps[-1]:.1f} m beyond row 1, "
-            "to which it is joined; drop the rows past the start"
-        )
-
-
-def _overshoots(points: Array) -> bool:
-    """Whether the way from the last point back to the first goes against the road on both sides of it."""
-    way = np.diff(np.vstack([points[-2:], points[:2]]), axis=0)
-    before, back, after = way / np.hypot(*way.T)[:, None]
-    return bool(max(before @ back, back @ after) < _AGAINST)
 
 
 def to_numbers(road: GatedRoad) -> Array:
