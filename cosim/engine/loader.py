@@ -17,7 +17,8 @@ from cosim.errors import CosimError
 from cosim.model.assembly import Node
 from cosim.model.face import Face, read_face
 from cosim.model.system import System
-from fmukit.errors import because
+from fmukit.errors import UserError, because
+from fmukit.places import unpacking_folder
 from fmukit.unpacking import ArchiveError, unpack
 
 Find = Callable[[str], Path]
@@ -34,7 +35,9 @@ class Loader:
 
     def __enter__(self) -> Self:
         try:
-            self._root = Path(tempfile.mkdtemp(prefix="cosim-"))
+            self._root = Path(tempfile.mkdtemp(prefix="cosim-", dir=unpacking_folder()))
+        except UserError as error:
+            raise CosimError(str(error)) from None
         except OSError as error:
             raise CosimError(f"no folder to unpack FMUs into: {because(error)}; set TMPDIR to one") from None
         return self

@@ -14,6 +14,7 @@ from fmukit.conformance.bench import Bench
 from fmukit.conformance.lifecycle_rules import disturbed_by_another
 from fmukit.conformance.rule import NotApplicable, Rules
 from fmukit.conformance.stranger import namesakes, stranger
+from fmukit.places import unpacking_folder
 
 RULES: Rules[Bench] = Rules()
 
@@ -88,7 +89,7 @@ def same_names(bench: Bench) -> Iterator[str]:
     if not names:
         return
     reference = bench.alone()
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory(dir=unpacking_folder()) as folder:
         other = stranger(bench, Path(folder), names)
         tasks = [errand.lives([(other, replace(bench.experiment, rows=((), ())))]), bench.task()]
         words = f"after another FMU that embeds modules named {', '.join(names)}"
@@ -110,7 +111,7 @@ def requirements(bench: Bench) -> list[str]:
 
 
 def _copy(bench: Bench) -> Bench:
-    folder = Path(tempfile.mkdtemp(prefix="copy-")) / "fmu"
+    folder = Path(tempfile.mkdtemp(prefix="copy-", dir=unpacking_folder())) / "fmu"
     copytree(bench.folder, folder)
     return Bench(bench.package, folder)
 

@@ -19,6 +19,7 @@ from fmukit.conformance.errand import death
 from fmukit.conformance.package import Package
 from fmukit.conformance.rule import Finding, Rule
 from fmukit.conformance.rulebook import RUNNING
+from fmukit.places import unpacking_folder
 from fmukit.unpacking import ArchiveError
 
 PATIENCE = 30.0
@@ -37,7 +38,7 @@ def run_groups(
     reason = _unfit(package)
     if reason:
         return skipped(RUNNING, reason)
-    with tempfile.TemporaryDirectory(prefix="fmus-check-", ignore_cleanup_errors=True) as name:
+    with tempfile.TemporaryDirectory("", "fmus-check-", unpacking_folder(), ignore_cleanup_errors=True) as name:
         scratch = Path(name)
         try:
             arguments = [str(package.path.resolve()), _unpacked(package, scratch / "fmu")]

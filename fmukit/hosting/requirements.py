@@ -13,6 +13,7 @@ from pathlib import Path
 from fmukit.compiling import compiler
 from fmukit.errors import BuildError
 from fmukit.hosting.environment import libpython
+from fmukit.places import is_plain
 from fmukit.store import cache_folder
 
 _MACHINES = ("x86_64", "amd64")
@@ -35,6 +36,7 @@ def requirements() -> Iterator[Requirement]:
     yield _compiler()
     yield _libpython()
     yield _cache()
+    yield _temporary()
 
 
 def _platform() -> Requirement:
@@ -64,6 +66,12 @@ def _libpython() -> Requirement:
         f"libpython{version}; pyenv: PYTHON_CONFIGURE_OPTS=--enable-shared pyenv install {version}"
     )
     return Requirement("libpython", library is not None, str(library or f"none for {sys.executable}"), remedy)
+
+
+def _temporary() -> Requirement:
+    folder = Path(tempfile.gettempdir())
+    remedy = "set TMPDIR (Windows: TEMP) to a path of plain letters; `cosim` and `fmus` go elsewhere, other hosts crash"
+    return Requirement("temporary", is_plain(folder), str(folder), remedy)
 
 
 def _cache() -> Requirement:

@@ -2,11 +2,12 @@
 
 import os
 import signal
+import tempfile
 from ctypes import c_double
 
 import numpy as np
 import pytest
-from cosim_mocks import Mock, face, plan_of
+from cosim_mocks import Mock, face, plan_of, scenario_of
 
 from cosim.command.explain import explanation
 from cosim.engine.fmu import FmuSlave, Library
@@ -14,7 +15,8 @@ from cosim.engine.slave import Memory
 from cosim.model.face import read_face
 from cosim.model.system import System
 from cosim.results.reading import Facts, load_results
-from cosim.run.running import execute
+from cosim.run.request import Request
+from cosim.run.running import execute, run
 from fmukit.unpacking import unpack
 
 
@@ -128,3 +130,13 @@ def test_two_runs_in_one_process_do_not_see_each_others_messages(tank, tmp_path)
     assert (leaky.message(), sound.message()) == ("the tank leaks 100%s of its water", "")
     for slave in slaves:
         slave.close()
+
+
+def test_fmus_are_unpacked_where_they_can_be_read(tank, tmp_path, monkeypatch):
+    """The library of PythonFMU ends the process where the path has an escape other than %20."""
+    (tmp_path / "größe#1").mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "größe#1"))
+    system = System()
+    system.add("tank", str(tank), period=0.1)
+    scenario = scenario_of("odd", lambda _settings, _prepared: system, stop_time=0.5)
+    assert run(Request(scenario, tmp_path / "out")).summary.status == "ok"

@@ -72,7 +72,7 @@ def test_the_doctor_is_content_here():
     done = fmus("doctor")
     assert (done.returncode, done.stderr) == (0, "")
     words = [line.split()[:2] for line in done.stdout.splitlines()]
-    assert words == [["ok", "platform"], ["ok", "compiler"], ["ok", "libpython"], ["ok", "cache"]]
+    assert words == [["ok", "platform"], ["ok", "compiler"], ["ok", "libpython"], ["ok", "cache"], ["ok", "temporary"]]
 
 
 @pytest.mark.parametrize(
@@ -88,6 +88,13 @@ def test_the_doctor_names_what_is_missing_and_the_remedy(variables, remedy):
     assert (done.returncode, done.stderr) == (1, "")
     assert sum(line.startswith("missing") for line in done.stdout.splitlines()) == 1
     assert done.stdout.splitlines()[-1].startswith(remedy)
+
+
+def test_the_doctor_warns_of_a_folder_other_hosts_crash_in(tmp_path):
+    odd = tmp_path / "größe"
+    odd.mkdir()
+    done = fmus("doctor", TMPDIR=str(odd))
+    assert (done.returncode, done.stdout.splitlines()[-1][:24]) == (1, "temporary: set TMPDIR (W")
 
 
 def test_other_machines_are_named(monkeypatch):
