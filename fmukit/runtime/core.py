@@ -1,7 +1,8 @@
 """What every part of an instance works on: its buffer and texts, its life, its computation and its faults.
 
-A call that cannot be served is logged as one sentence, changes nothing, sets the output `fault`, and makes the next
-step return discard. The step after that is served again, unless the instance could not be initialised at all.
+A call that cannot be served is logged as one sentence and changes nothing. Unless it only wanted to read, it also sets
+the output `fault` and makes the next step return discard. The step after that is served again, unless the instance
+could not be initialised at all.
 """
 
 from __future__ import annotations
@@ -91,6 +92,10 @@ class Core:
         """Log the sentence, raise `fault`, discard the next step."""
         self.life.pending = True
         self.buffer[self.fault] = 1.0
+        self.complain(error)
+
+    def complain(self, error: BaseException) -> None:
+        """Log the sentence of a call that changes nothing when it is refused."""
         plain = isinstance(error, PLAIN)
         self.warn(str(error) if plain else f"unexpected {type(error).__name__}: {error}; the call is ignored")
 

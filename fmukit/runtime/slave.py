@@ -91,7 +91,7 @@ class EmbeddedSlave(Fmi2Slave):
         try:
             return self._values.reals(vrs)
         except BaseException as error:
-            self._core.refuse(error)
+            self._core.complain(error)
             return [float("nan")] * len(vrs)
 
     def set_real(self, vrs: list[int], values: list[float]) -> None:
@@ -129,7 +129,7 @@ class EmbeddedSlave(Fmi2Slave):
         try:
             return self._values.get(vrs, type_)
         except BaseException as error:
-            self._core.refuse(error)
+            self._core.complain(error)
             return [otherwise] * len(vrs)
 
     def _set(self, vrs: list[int], type_: str, values: list[Any]) -> None:

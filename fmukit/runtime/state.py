@@ -73,6 +73,11 @@ def from_bytes(data: bytes, description: Description) -> Snapshot | Refused:
     buffer, life = content[_HEAD.size : _HEAD.size + size], Life(**dict(zip(_LIFE, fields, strict=True)))
     if not _sound(buffer, life):
         return Refused("the bytes hold numbers that are not finite")
+    for scalar, value in zip(description.scalars, array("d", buffer), strict=False):
+        if scalar.causality != "output" and scalar.type != "String" and not scalar.low <= value <= scalar.high:
+            return Refused(
+                f"the bytes hold {scalar.name} = {value!r}, which is outside [{scalar.low:g}, {scalar.high:g}]"
+            )
     strings = tuple((int(slot), str(value)) for slot, value in json.loads(content[_HEAD.size + size :]))
     return Snapshot(buffer, strings, life)
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import struct
 from collections.abc import Callable
+from hashlib import blake2b
 
 import pytest
 from fmu_driver import Instance
@@ -62,3 +64,18 @@ def test_changed_foreign_and_short_bytes_are_refused(make: Make) -> None:
         assert instance.outputs() == {**before, "fault": 1}
         assert not instance.step(1e-3)
     assert instance.step(1e-3)
+
+
+@pytest.mark.parametrize("value", [1e4 + 1, -2e4])
+def test_values_outside_their_limits_are_refused(make: Make, value: float) -> None:
+    """Though the digest is right: whoever changes bytes can compute one."""
+    instance = make("DemoSpring").initialise()
+    _run(instance, 3)
+    data = bytes(instance.fmu.serializeFMUstate(instance.fmu.getFMUstate()))
+    old = struct.pack("d", math.sin(2))
+    assert data.count(old) == 1
+    content = data.replace(old, struct.pack("d", value))[:-16]
+    before = instance.outputs()
+    instance.fmu.setFMUstate(instance.fmu.deSerializeFMUstate(content + blake2b(content, digest_size=16).digest()))
+    assert f"hold force = {value!r}, which is outside [-10000, 10000]" in instance.messages[0]
+    assert instance.outputs() | {"fault": 0.0} == before | {"fault": 0.0}

@@ -36,6 +36,7 @@ def fault(folder: str, about: fmpy.model_description.ModelDescription, cycle: in
                 fmu.setReal([variable.valueReference], [math.nan])
         assert discarded(fmu, 0.0, step) or not any(v.causality == "input" for v in about.modelVariables)
         assert math.isnan(fmu.getReal([10**6])[0])
+        fmu.setReal([10**6], [1.0])
         assert discarded(fmu, step, step)
         assert all(discarded(fmu, step, size) for size in (0.0, -step, math.nan, math.inf))
         fmu.doStep(step, step)

@@ -128,6 +128,14 @@ class Life:
         assert self.instance.messages, f"{text}: refused without a message"
         assert self.same(before, self.image), f"{text}: a refused call changed the state"
 
+    def refuse_reading(self, text: str, call: Call) -> None:
+        """As `refuse`, but there is nothing a step could suffer from."""
+        before = self.image
+        self.subject.count("refused")
+        self.make(text, call, self.twin)
+        assert self.instance.messages, f"{text}: refused without a message"
+        assert before == self.image, f"{text}: a refused call changed the state"
+
     def only_in(self, mode: int, text: str, call: Call, then: int) -> None:
         if self.twin.mode == mode:
             self.make(text, call, replace(self.twin, mode=then))
@@ -233,7 +241,7 @@ class Life:
             return status
 
         if not all(vr < len(about) and about[vr].type == type_ for vr in vrs):
-            return self.refuse(text, call)
+            return self.refuse_reading(text, call)
         before = self.image
         self.make(text, call, self.twin)
         assert self.twin.mode == INITIALISING or self.image == before, f"{text}: reading changed the state"
