@@ -33,11 +33,13 @@ def _commands() -> list[Variable]:
 def _measurements() -> list[Variable]:
     return [
         input_("estimate.velocity.x", "m/s", "forward speed of O1"),
+        input_("estimate.velocity.y", "m/s", "speed of O1 to the left"),
         input_("estimate.yaw_rate", "rad/s", "yaw rate"),
         *group(input_, "estimate", ("roll", "pitch"), "rad", "attitude of the body"),
         *group(input_, "estimate", ("roll_rate", "pitch_rate"), "rad/s", "rate of the attitude of the body"),
         *group(input_, "steer_angle", FRONT, "rad", "measured steering angle"),
         *group(input_, "steer_rate", FRONT, "rad/s", "measured steering rate"),
+        *group(input_, "wheel_speed", WHEELS, "rad/s", "measured wheel spin, positive forward"),
         *group(input_, "suspension_travel", WHEELS, "m", "suspension travel, positive in bump"),
         *group(input_, "suspension_rate", WHEELS, "m/s", "rate of the suspension travel"),
     ]
@@ -52,6 +54,7 @@ def _outputs() -> list[Variable]:
         *group(
             output, "saturation", ("drive", "steering", "suspension"), "1", "1 while the actuator is limited, else 0"
         ),
+        *group(output, "saturation.wheel", WHEELS, "1", "1 while slip or motor limits the torque of the wheel, else 0"),
         output("filtered.speed", "m/s", "commanded speed after its D/S filter"),
         output("filtered.acceleration", "m/s2", "commanded acceleration after its D/S filter"),
         output("filtered.yaw_rate", "rad/s", "commanded yaw rate after its D/S filter"),

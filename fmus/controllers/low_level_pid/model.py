@@ -8,7 +8,7 @@ import casadi as ca
 
 from fmukit.kernel import Kernel, Layout, Parts, Signals, choose, named, sampled_kernel
 from fmus.cars.wheels import FRONT, WHEELS
-from fmus.controllers.low_level_pid import smoothing, speed, steering, suspension
+from fmus.controllers.low_level_pid import slip, smoothing, speed, steering, suspension, wheels
 from fmus.controllers.low_level_pid.interface import INTERFACE
 
 _FILTERS = {
@@ -25,6 +25,8 @@ STATES = Layout(
     started=1,  # 0 before the first sample, which starts the filters at the first command
     filters=Layout(**dict.fromkeys(_FILTERS, 3)),
     speed_integral=1,
+    wheels=wheels.STATES,
+    unequal=2,  # difference of what the brakes left and right were released, front and rear
     yaw_integral=1,
     steer_angle=1,
     steer_integral=2,
@@ -52,32 +54,47 @@ def sample(p: Signals, d: Parts, u: Signals, x: Parts) -> tuple[Parts, Parts]:
     command = {name: u[f"command.{name}"] for name in _FILTERS}
     settled = {name: smoothing.settled(value) for name, value in command.items()}
     smooth = choose(x["started"], x["filters"], settled)
-    drive, drive_next = _drive(p, u, x, smooth)
-    steer, steer_next = _steer(p, u, x, smooth, drive.standing)
+    drive, standing, drive_next = _drive(p, u, x, smooth)
+    steer, steer_next = _steer(p, u, x, smooth, standing)
     lift, lift_next = _lift(p, d, u, x, smooth)
     filters = {
         name: smoothing.advance(ca.reshape(d["transitions"][rate], 3, 3), smooth[name], command[name])
         for name, rate in _FILTERS.items()
     }
     outputs = {
-        **named("wheel_torque", WHEELS, drive.wheel_torque),
-        **named("brake_torque", WHEELS, drive.brake_torque),
+        **drive,
         **steer,
         **lift,
-        "saturation.drive": drive.saturated,
         **{f"filtered.{name}": smooth[name][0] for name in ("speed", "acceleration", "yaw_rate")},
     }
     return {"started": ca.SX(1), "filters": filters, **drive_next, **steer_next, **lift_next}, outputs
 
 
-def _drive(p: Signals, u: Signals, x: Parts, command: Parts) -> tuple[speed.WheelTorques, Parts]:
-    """Wheel torques and next states of the speed loop, or the commanded torques."""
+def _drive(p: Signals, u: Signals, x: Parts, command: Parts) -> tuple[Parts, ca.SX, Parts]:
+    """Outputs: torques of the speed loop or commanded, within what the wheels bear; standing 0/1; next states."""
     v = u["estimate.velocity.x"]
     closed = speed.drive(p, v, command["speed"][0], command["acceleration"][0], x["speed_integral"])
-    drive = speed.or_fed_through(
+    wanted = speed.or_fed_through(
         p, closed, *(u.vector(f"command.{kind}_torque", WHEELS) for kind in ("wheel", "brake"))
     )
-    return drive, {"speed_integral": drive.integral}
+    found = wheels.observe(p, u, x["wheels"], x["started"], wanted)
+    given, unequal = slip.balanced(p, slip.limit(p, found, wanted.wheel_torque, wanted.brake_torque), x["unequal"])
+    limited = ca.mmax(given.limited)
+    outputs = {
+        **named("wheel_torque", WHEELS, given.motor),
+        **named("brake_torque", WHEELS, given.brake),
+        **named("saturation.wheel", WHEELS, given.limited),
+        "saturation.drive": ca.fmax(wanted.saturated, limited),
+    }
+    integral = (
+        (1 - wanted.standing) * (1 - p["speed.fed_through"]) * (x["speed_integral"] + (1 - limited) * wanted.growth)
+    )
+    states = {
+        "speed_integral": integral,
+        "wheels": wheels.kept(found, found.direction * given.motor - given.brake),
+        "unequal": unequal,
+    }
+    return outputs, wanted.standing, states
 
 
 def _steer(p: Signals, u: Signals, x: Parts, command: Parts, standing: ca.SX) -> tuple[Parts, Parts]:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from fmukit.reference_run import ReferenceRun, rise
+from fmus.cars.nominal import DESIGN
+from fmus.cars.wheels import WHEELS
 
 _SPEED, _GAIN, _YAW_RATE, _STEER, _ROLL = 20.0, 4.0, 0.2, 0.03, 0.01
 _DELAY = 0.05
@@ -28,6 +30,7 @@ def _inputs(t: float) -> dict[str, float]:
         "command.steer_feedforward": _STEER / _YAW_RATE * wanted["yaw_rate"],
         "estimate.velocity.x": reached["speed"],
         "estimate.yaw_rate": reached["yaw_rate"],
+        **{f"wheel_speed.{wheel}": reached["speed"] / DESIGN.rolling_radius for wheel in WHEELS},
         "steer_angle.fl": steer,
         "steer_angle.fr": steer,
     }

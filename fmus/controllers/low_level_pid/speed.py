@@ -13,12 +13,15 @@ from fmus.controllers.low_level_pid.error_ode import double_pole
 
 @dataclass(frozen=True, slots=True)
 class WheelTorques:
-    """Result of the speed loop: torques of the four wheels [N.m], saturation 0/1, next integral [m], standing 0/1."""
+    """Result of the speed loop: torques of the four wheels [N.m], saturation 0/1, standing 0/1.
+
+    `growth` [m] is by how much the integral grows unless something further limits the torques.
+    """
 
     wheel_torque: ca.SX
     brake_torque: ca.SX
     saturated: ca.SX
-    integral: ca.SX
+    growth: ca.SX
     standing: ca.SX
 
 
@@ -43,7 +46,7 @@ def drive(p: Signals, v: ca.SX, v_d: ca.SX, a_d: ca.SX, integral: ca.SX) -> Whee
         wheel_torque=r * driving * _shares(p["speed.drive_front"]),
         brake_torque=r * braking * _shares(p["speed.brake_front"]),
         saturated=saturated,
-        integral=(1 - standing) * (integral + ca.if_else(saturated, 0, T * error)),
+        growth=ca.if_else(saturated, 0, T * error),
         standing=standing,
     )
 
@@ -57,7 +60,7 @@ def or_fed_through(p: Signals, closed: WheelTorques, wheel_torque: ca.SX, brake_
         wheel_torque=ca.if_else(fed, wheel_torque, closed.wheel_torque),
         brake_torque=ca.if_else(fed, brake_torque, closed.brake_torque),
         saturated=loop * closed.saturated,
-        integral=loop * closed.integral,
+        growth=loop * closed.growth,
         standing=loop * closed.standing,
     )
 
