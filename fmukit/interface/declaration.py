@@ -29,7 +29,7 @@ class CsvTable:
     columns: tuple[str, ...]
     rows: int
     increasing: bool = True
-    names: Mapping[str, str] = field(default_factory=dict)
+    names: Mapping[str, str] = field(default_factory=dict, hash=False)
 
 
 @dataclass(frozen=True, slots=True)
