@@ -2,12 +2,13 @@
 
 The error is that of its hand point, which is what is controlled, in its own axes, actual minus desired:
 
-    z = R(psi_i)^T (p_i - p_L - R(psi_L) r),   p_i = O1_i + a (cos psi_i, sin psi_i),   r = offset + (a, 0)
+    z = R(psi_i)^T (h_i - h_L - R(psi_f) offset),   h = O1 + a (cos psi, sin psi)
 
-p_L and psi_L are the leader's true pose now, not what the radio last said; the offset is the one wanted now, as the
-follower gives it. With a = 0 it is the error of O1, which in a bend is not zero for a follower without error. A
-follower far from its place may lead itself back along an offset of its own; how far it then is from the place commanded
-is the error of place.
+h_L is the leader's true hand now, not what the radio last said; the offset is the one wanted now, as the follower gives
+it; psi_f is the yaw angle of its axes (`axes`), the leader's own or that of the rod that trails from its true hand. The
+error of O1 is that to a ahead of it in these axes, which in a bend is not zero for a follower without error. A follower
+far from its place may lead itself back along an offset of its own; how far it then is from the place commanded is the
+error of place.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ import numpy as np
 
 from cosim.model.signals import Vector
 from cosim.results.reading import Results
+from scenarios.formation.axes import axes, hand_points
 from scenarios.formation.course import course, jumps, wanted
 
 
@@ -28,13 +30,15 @@ class FollowerErrors:
 
     `hand` is that of the hand point, `position` that of O1, and `place` that of the hand point to the place commanded,
     which a change of formation moves at once. `jumps` are the rows at which that place becomes another, and `changing`
-    says where (n,) a change is under way; `led_back` says where (n,) the follower led itself back.
+    says where (n,) a change is under way; `led_back` says where (n,) the follower led itself back. `seen` (n, 2)
+    [m] is where O1 is in the axes of its place.
     """
 
     time: Vector
     hand: Vector
     position: Vector
     place: Vector
+    seen: Vector
     jumps: np.ndarray
     changing: np.ndarray
     led_back: np.ndarray
@@ -54,11 +58,15 @@ def follower_errors(results: Results, car: int, leader: int) -> FollowerErrors:
     time, speed, command = results.time[rows], results[f"car{car}.plant.velocity.x"][rows], _commanded(results, car)
     offset, led_back = wanted(time, _offsets(results, car), course(time, command, duration), speed, headway)
     place = command - headway * np.stack((speed, 0 * speed), -1)
+    yaw = axes(results, car, ahead, offset)
+    away = hand_points(own, hand) - hand_points(ahead, hand)
+    seen = _turned(own[:, :2] - hand_points(ahead, hand), -yaw) + np.array([hand, 0.0])
     return FollowerErrors(
         time=time,
-        hand=error(own, ahead, offset, hand),
-        position=error(own, ahead, offset, 0.0),
-        place=error(own, ahead, place, hand),
+        hand=_turned(away - _turned(offset, yaw), -own[:, 2]),
+        position=_turned(seen - offset, yaw - own[:, 2]),
+        place=_turned(away - _turned(place, yaw), -own[:, 2]),
+        seen=seen,
         jumps=jumps(command),
         changing=_within(time, time[jumps(command)], duration),
         led_back=led_back,
@@ -68,13 +76,6 @@ def follower_errors(results: Results, car: int, leader: int) -> FollowerErrors:
 def pose(results: Results, car: int, rows: np.ndarray) -> Vector:
     """x, y, yaw (n, 3) of the car's O1."""
     return np.stack([results[f"car{car}.plant.{name}"][rows] for name in ("position.x", "position.y", "yaw")], -1)
-
-
-def error(own: Vector, leader: Vector, offset: Vector, hand: float) -> Vector:
-    """z (n, 2) of poses x, y, yaw (n, 3) and offsets (n, 2) [m]; `hand` is the distance a."""
-    point = own[:, :2] + hand * _direction(own[:, 2])
-    r = offset + np.array([hand, 0.0])
-    return _turned(point - leader[:, :2] - _turned(r, leader[:, 2]), -own[:, 2])
 
 
 def _offsets(results: Results, car: int) -> Vector:
@@ -100,10 +101,6 @@ def _commanded(results: Results, car: int) -> Vector:
 def _within(time: Vector, begins: Vector, duration: float) -> np.ndarray:
     """Where (n,) one of the times `begins` [s] is less than `duration` [s] ago."""
     return np.any((begins[:, None] <= time) & (time < begins[:, None] + duration), axis=0)
-
-
-def _direction(yaw: Vector) -> Vector:
-    return np.stack((np.cos(yaw), np.sin(yaw)), -1)
 
 
 def _turned(vectors: Vector, angle: Vector) -> Vector:

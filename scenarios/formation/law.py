@@ -14,12 +14,11 @@ if TYPE_CHECKING:
 class Law:
     """The `model` of a follower, and values of its parameters beyond those of the settings.
 
-    `motion`: it wants to know the velocity and yaw rate of its leader, not only where that is. `told` are parameters
+    `told` are parameters
     where the head broadcasts its speed; they take the place of those in `parameters`.
     """
 
     model: str
-    motion: bool
     parameters: Mapping[str, Value] = field(default_factory=dict)
     told: Mapping[str, Value] = field(default_factory=dict)
 

@@ -11,7 +11,7 @@ import numpy as np
 from cosim.model.signals import Vector
 from cosim.results.reading import Results
 from scenarios.formation.birds_eye import color, draw_from_above, label
-from scenarios.formation.errors import FollowerErrors, error, errors_of_followers, pose
+from scenarios.formation.errors import FollowerErrors, errors_of_followers
 from scenarios.formation.topology import HEAD
 from scenarios.shared.page import Panel, draw_page, thinned
 
@@ -43,8 +43,8 @@ def draw(results: Results, prepared: Following, file: Path, title: str) -> None:
         _curves("yaw rate", "rad/s", cars, _column("plant.angular_rate.z")),
     ]
     if leaders:
-        kept = _kept(errors_of_followers(results, leaders))
-        panels = [*kept, *panels, *_places(leaders), *_commands(leaders), *_of_law(results, leaders)]
+        errors = errors_of_followers(results, leaders)
+        panels = [*_kept(errors), *panels, *_places(errors), *_commands(leaders), *_of_law(results, leaders)]
     draw_page(results, file, title, lambda r, axes: draw_from_above(r, axes, cars), panels, path_rows=2)
 
 
@@ -60,19 +60,14 @@ def _distance(e: FollowerErrors, z: Vector) -> tuple[Vector, Vector]:
     return e.time, np.linalg.norm(z, axis=1)
 
 
-def _places(leaders: Mapping[int, int]) -> list[Panel]:
-    """Where each follower is, seen from its leader, and where it is wanted."""
+def _places(errors: Mapping[int, FollowerErrors]) -> list[Panel]:
+    """Where each follower is in the axes of its place, and where it is wanted."""
 
     def seen(axis: int) -> Curve:
-        def curve(results: Results, k: int) -> tuple[Vector, Vector]:
-            rows = results.instants(f"car{k}.follower")
-            own, ahead = pose(results, k, rows), pose(results, leaders[k], rows)
-            return results.time[rows], -error(ahead, own, np.zeros((len(rows), 2)), 0.0)[:, axis]
-
-        return curve
+        return lambda _, k: (errors[k].time, errors[k].seen[:, axis])
 
     return [
-        _curves(f"O1 {text}; dotted: wanted", "m", leaders, seen(i), _column(f"follower.offset.{name}"))
+        _curves(f"O1 {text}; dotted: wanted", "m", errors, seen(i), _column(f"follower.offset.{name}"))
         for i, (name, text) in enumerate(_AXES)
     ]
 

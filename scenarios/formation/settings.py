@@ -13,6 +13,7 @@ RECORD_EVERY = 0.02
 UNRECORDED = ("**.fl", "**.fr", "**.rl", "**.rr")
 """What belongs to single wheels: a third of all signals, and of the memory of many cars."""
 _MOST = 100
+FRAMES = ("head", "neighbour")
 
 
 def formation_settings(vehicles: int, kind: str, spacing: float = 12.0) -> dict[str, Setting | NumberSetting]:
@@ -20,6 +21,7 @@ def formation_settings(vehicles: int, kind: str, spacing: float = 12.0) -> dict[
     return {
         "vehicles": NumberSetting(vehicles, 1, _MOST, "1", "number of cars, the head included", whole=True),
         "topology": Setting(kind, tuple(TOPOLOGIES), "who follows whom, and the shape at the start"),
+        "frame": Setting("head", FRAMES, "places in axes that trail from the head, or in those of the car followed"),
         "plant": Setting("16dof", tuple(PLANTS), "what drives"),
         **SENSORS,
         "radio": Setting("on", ("on", "off"), "messages at 10 Hz, late and noisy; off: known at once"),

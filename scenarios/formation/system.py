@@ -13,7 +13,7 @@ from cosim.scenario.settings import Settings
 from scenarios.formation.car import add_car
 from scenarios.formation.law import Law
 from scenarios.formation.timetable import Formation, Transition
-from scenarios.formation.topology import HEAD, Place, prefix
+from scenarios.formation.topology import HEAD, prefix
 from scenarios.shared.sensors import TRUE_YAW_RATE, feed_back, known, tell
 
 
@@ -26,8 +26,8 @@ def formation_system(law: Law, reference: Mapping[str, Value], settings: Setting
     system = System()
     _add_head(system, settings, reference)
     for k, leader in formation.leaders.items():
-        _add_follower(system, settings, law, k, formation.offsets[k])
-        _hear_leader(system, settings, law, k, leader)
+        _add_follower(system, settings, law, k, formation)
+        _hear_leader(system, settings, k, leader)
         if _hears_head(settings):
             _hear_head(system, settings, k)
     for transition in formation.timetable:
@@ -44,13 +44,15 @@ def _add_head(system: System, settings: Settings, reference: Mapping[str, Value]
     feed_back(system, settings, "hlc", {}, car)
 
 
-def _add_follower(system: System, settings: Settings, law: Law, k: int, place: Place) -> None:
-    car, ahead = prefix(k), _hears_head(settings)
+def _add_follower(system: System, settings: Settings, law: Law, k: int, formation: Formation) -> None:
+    car, ahead, place = prefix(k), _hears_head(settings), formation.offsets[k]
     wanted: dict[str, Value] = {
         "formation.x": place[0],
         "formation.y": place[1],
         "headway": settings["headway"],
         "feedforward.enabled": ahead,
+        "frame.trailing": formation.trailing,
+        "formation.duration": formation.duration,
     }
     system.add(f"{car}follower", law.model, {**wanted, **law.parameters, **(law.told if ahead else {})})
     add_car(system, settings, car, "follower")
@@ -61,7 +63,7 @@ def _hears_head(settings: Settings) -> bool:
     return bool(settings["feedforward"] == "on")
 
 
-def _hear_leader(system: System, settings: Settings, law: Law, k: int, leader: int) -> None:
+def _hear_leader(system: System, settings: Settings, k: int, leader: int) -> None:
     """The follower of car k is told how its leader moves: by radio, or without one at once and without noise."""
     follower, radio = f"{prefix(k)}follower", f"{prefix(k)}radio"
     if settings["radio"] == "on":
@@ -69,7 +71,7 @@ def _hear_leader(system: System, settings: Settings, law: Law, k: int, leader: i
         tell(system, settings, radio, "message.", TRUE_YAW_RATE, prefix(leader))
         system.connect(radio, follower)
     else:
-        tell(system, settings, follower, "leader.", TRUE_YAW_RATE if law.motion else {}, prefix(leader))
+        tell(system, settings, follower, "leader.", TRUE_YAW_RATE, prefix(leader))
 
 
 def _hear_head(system: System, settings: Settings, k: int) -> None:

@@ -26,7 +26,7 @@ _BACK = {"headway.filter": 5.0}
 """Of constraint followers: with the slower filter they start with, they pass on fast motions as without headway."""
 _DURATION = {"formation.duration": 12.0}  # s; a gap of one headway opens so slowly that nobody brakes hard
 LAWS = {
-    "adaptive": Law("AdaptiveFollower", motion=False, parameters={**_DURATION, **adaptive_gains(GAIN)}, told=_TOLD),
-    "constraint": Law("ConstraintFollower", motion=True, parameters={**_DURATION, **_BACK}),
+    "adaptive": Law("AdaptiveFollower", parameters={**_DURATION, **adaptive_gains(GAIN)}, told=_TOLD),
+    "constraint": Law("ConstraintFollower", parameters={**_DURATION, **_BACK}),
 }
 """By the name they have in the setting."""

@@ -38,7 +38,7 @@ class Platoon:
 
 def prepare(settings: Settings) -> Platoon:
     """Raises CosimError when the trajectory of the head cannot be kept."""
-    events, formation = spans(settings["manoeuvre"]), arranged((), settings)
+    events, formation = spans(settings["manoeuvre"]), arranged((), {**settings, "frame": "neighbour"})
     return Platoon(
         formation=with_merge(formation, settings, events["merge"].begin) if "merge" in events else formation,
         events=events,

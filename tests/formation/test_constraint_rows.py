@@ -12,7 +12,7 @@ from tests.references import joint_rows
 
 STEP = 1e-5
 CHAIN = ((1, 0), (2, 1), (3, 2))
-SIZES = {"joint": (12, 6, 0), "follower": (3, 8, 1)}
+SIZES = {"joint": (12, 6, 0), "follower": (3, 9, 1)}
 
 
 def _rows(kind: str) -> ca.Function:
@@ -76,14 +76,15 @@ def test_rows_of_a_follower_are_a_block_of_the_joint_rows() -> None:
     q, dq = np.concatenate([hand, [yaw], own]), np.concatenate([hand_rate, [turn], own_rate])
     value, W, rate, gamma = (np.array(part) for part in joint(q, dq, r, [0, 0], [0, 0], []))
     hand_acceleration = -a * turn**2 * e
-    nothing, s = np.zeros(3), np.concatenate([lead, r, np.zeros(3)])
-    seen = law.follower_rows()(own, own_rate, s, np.concatenate([lead_rate, np.zeros(5)]), np.zeros(8), a)
+    nothing, s = np.zeros(3), np.concatenate([lead, r, np.zeros(3), [yaw]])
+    driven = np.concatenate([lead_rate, np.zeros(5), [turn]])
+    seen = law.follower_rows()(own, own_rate, s, driven, np.zeros(9), a)
     value_own, W_own, rate_own, gamma_own = (np.array(part)[:2] for part in seen)
     assert value == pytest.approx(value_own, abs=1e-12)
     assert rate == pytest.approx(rate_own, abs=1e-12)
     assert W[:, 3:] == pytest.approx(W_own, abs=1e-12)
-    driven = W[:, :3] @ np.concatenate([hand_acceleration, [0.0]])[:, None]
-    assert gamma + driven == pytest.approx(gamma_own, abs=1e-12)
+    from_the_leader = W[:, :3] @ np.concatenate([hand_acceleration, [0.0]])[:, None]
+    assert gamma + from_the_leader == pytest.approx(gamma_own, abs=1e-12)
     kept = np.array(ca.DM(ca.evalf(joint_rows.isolated(ca.SX(W), ((1, 0),)))))
     assert kept[:, :3].tolist() == [nothing.tolist()] * 2
     assert kept[:, 3:].tolist() == W[:, 3:].tolist()

@@ -66,13 +66,13 @@ def test_a_hundred_cars_have_a_hundred_places_and_follow_cars_before_them(kind):
     assert all(leader < k for k, leader in topology(kind).leaders(100).items())
 
 
-def settings(size, kind="chain"):
+def settings(size, kind="chain", frame="neighbour"):
     room = {"spacing": ROOM.along, "lateral_spacing": ROOM.across}
-    return SETTINGS | room | {"plant": "unicycle", "vehicles": size, "topology": kind}
+    return SETTINGS | room | {"plant": "unicycle", "vehicles": size, "topology": kind, "frame": frame}
 
 
 def system(formation):
-    return formation_system(Law("Follower", motion=True), {}, settings(len(formation.cars)), formation)
+    return formation_system(Law("Follower"), {}, settings(len(formation.cars)), formation)
 
 
 def test_a_change_of_shape_keeps_who_follows_whom():
@@ -82,6 +82,23 @@ def test_a_change_of_shape_keeps_who_follows_whom():
     assert list(formation.offsets.values()) == OFFSETS["diamond"]
     assert change.time == 15.0
     assert change.offsets == {2: (-10, 0), 3: (-20, 0), 4: (-30, 0), 5: (-10, 0), 6: (-20, 0), 7: (-30, 0)}
+
+
+@pytest.mark.parametrize("kind", SEVEN)
+def test_seen_from_the_head_all_follow_it_in_the_same_shape(kind):
+    formation = arranged([(15.0, "line")], settings(7, kind, "head"))
+    assert formation.trailing
+    assert formation.leaders == SEVEN["star"]
+    assert formation.offsets == {k: PLACES[topology(kind).shape][k - 1] for k in range(2, 8)}
+    assert formation.timetable[0].offsets == {k: (-10.0 * (k - 1), 0.0) for k in range(2, 8)}
+
+
+@pytest.mark.parametrize(("size", "duration"), [(2, 6.0), (4, 6.79), (13, 15.0), (25, 30.0), (50, 61.25)])
+def test_all_take_as_long_for_a_change_as_the_longest_way_needs(size, duration):
+    """From a line to a left wedge the last car moves by 4 m per rank, at 6 m/s and 1.5 m/s2 at most."""
+    shapes = [(15.0, "line"), (30.0, "left-wedge")]
+    room = {"spacing": 10.0, "lateral_spacing": 4.0}
+    assert arranged(shapes, settings(size, "diamond", "head") | room).duration == pytest.approx(duration, abs=0.01)
 
 
 @pytest.mark.parametrize(("kind", "row"), [("chain", True), ("star", True), ("v", False), ("diamond", False)])
@@ -104,6 +121,7 @@ def test_the_timetable_moves_the_followers_it_names():
 
 def test_starts_follow_what_is_set_of_the_followers(configured):
     light = ("scenario.plant=unicycle", "scenario.vehicles=3", "scenario.topology=chain", "scenario.headway=0.5")
+    light = (*light, "scenario.frame=neighbour")
     changed = configured("formation-adaptive", *light, "car2.follower.formation.y=2")
     assert starts(changed, {2: 1, 3: 2}, 20.0) == {2: (-20.0, 2.0), 3: (-40.0, 2.0)}
     with pytest.raises(CosimError, match=r"car3\.follower\.formation\.x = far is not a number"):

@@ -17,8 +17,8 @@ STATES = Layout(
 
 
 def follow(p: Signals, u: Signals, before: Parts) -> Parts:
-    """The next state; with `feedforward.enabled` off nothing is ever heard."""
-    heard = ca.logic_and(p["feedforward.enabled"], u["feedforward.valid"] > 0.5)
+    """The next state; with `feedforward.enabled` off, or the leader's own rates heard, nothing is ever heard."""
+    heard = ca.logic_and(p["feedforward.enabled"] * (1 - p["heard_rates"]), u["feedforward.valid"] > 0.5)
     return choose(heard, {"heard": 1, "speed": u["feedforward.speed"]}, before)
 
 

@@ -19,7 +19,7 @@ INTERFACE = sampled(
     variables=[
         *load_parameters(Path(__file__).with_name("parameters.toml")),
         *bus.follower_parameters(),
-        *bus.follower_inputs(leader_motion=False),
+        *bus.follower_inputs(),
         *bus.follower_outputs(led_back=True),
         output("weights.norm", "m/s", "size of the output weights, the Frobenius norm of W"),
         output("weights.hidden_norm", "1", "size of the hidden weights, the Frobenius norm of V"),

@@ -9,6 +9,7 @@ import casadi as ca
 from fmukit.kernel import Signals
 from fmus.cars.rotation import rotation_plane
 from fmus.controllers.formation import hand
+from fmus.controllers.formation.moving import MovingPlace
 
 _ERROR, _SPEED = 5.0, 30.0  # m, m/s; what the network's inputs are relative to
 
@@ -57,3 +58,15 @@ def network_input(u: Signals, z: ca.SX, relative: ca.SX) -> ca.SX:
 def hand_velocity(p: Signals, z: ca.SX, Delta: ca.SX) -> ca.SX:
     """[v_i; a omega_i] = -K z + Delta_hat (2) [m/s]; Delta_hat with all that is known of the wanted point's motion."""
     return -p["gain"] * z + Delta
+
+
+def driven_ahead(p: Signals, u: Signals, wanted: MovingPlace) -> ca.SX:
+    """Delta [m/s] (2) of a wanted hand whose motion is heard: R_i' h_d', as early as the commands are late.
+
+    Of b = R_i' h_d' in axes that turn with b_y/a, as those of a follower in its place do, b' = R_i' h_d'' - b_y/a S b.
+    """
+    R = rotation_plane(u["estimate.yaw"]).T
+    b = R @ wanted.rate
+    changing = R @ wanted.acceleration - b[1] / p["hand.distance"] * hand.S @ b
+    late = ca.vertcat(p["realise.speed_time"] + p["lead.speed"], p["lead.yaw_rate"])
+    return b + late * changing

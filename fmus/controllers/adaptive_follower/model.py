@@ -10,7 +10,7 @@ from fmukit.kernel import Kernel, Layout, Parts, Signals, choose, sampled_kernel
 from fmus.clip import clip
 from fmus.controllers.adaptive_follower import broadcast, law, network, situation, turning
 from fmus.controllers.adaptive_follower.interface import INTERFACE
-from fmus.controllers.formation import common, link, offset, realise
+from fmus.controllers.formation import common, frame, leader, link, offset, realise
 
 _V, _W = (network.N1 + 1, network.N2), (network.N2 + 1, network.N3)
 STATES = Layout(
@@ -24,6 +24,8 @@ STATES = Layout(
     link=link.STATES,  # how long the leader has been lost, and its last known speed
     turning=turning.STATES,  # the leader's yaw rate from its messages
     broadcast=broadcast.STATES,  # the speed told by the head of the formation
+    leader=leader.STATES,  # how the leader moves, from what is heard
+    frame=frame.STATES,  # the rod that trails from its hand
 )
 _LEARNING = (
     *("adaptation.output", "adaptation.hidden", "leak.output", "leak.hidden", "leak.exponent"),
@@ -52,8 +54,10 @@ def initialise(p: Signals) -> tuple[Parts, Parts, Parts]:
 def sample(p: Signals, u: Signals, x: Parts) -> tuple[Parts, Parts]:
     """What is known of the leader, the weights learnt from it, and the commands they lead to."""
     before = situation.told(p, u, _begun(p, u, x))
-    linked = link.supervise(p, u, before["link"], ca.fmax(situation.leader_speed(before), 0))
+    linked = link.supervise(p, u, before["link"], ca.fmax(situation.leader_speed(p, before), 0))
     before |= {"turning": turning.follow(p, u, before["turning"], linked.heard)}
+    before |= {"leader": leader.follow(p, u, before["leader"], linked.heard)}
+    before |= {"frame": situation.towed(p, u, before, linked)}
     before |= {"offset": situation.led_back(p, u, before, linked)}
     seen = situation.seen(p, u, before)
     taught = before | _taught(p, u, before, seen, linked)
@@ -69,6 +73,8 @@ def sample(p: Signals, u: Signals, x: Parts) -> tuple[Parts, Parts]:
         "link": linked.state,
         "turning": before["turning"],
         "broadcast": taught["broadcast"],
+        "leader": before["leader"],
+        "frame": before["frame"],
     }
     return after, _outputs(p, u, taught, seen, driven, linked)
 
@@ -77,7 +83,7 @@ def _begun(p: Signals, u: Signals, state: Parts) -> Parts:
     """The state, at the first sample that of a follower that drives as it does, in its place; V and W as matrices."""
     own, most = u["estimate.velocity.x"], realise.yaw_rate_limit(p, u["estimate.velocity.x"])
     told = broadcast.follow(p, u, state["broadcast"])
-    bias = p["bias.own_speed"] * (1 - told["heard"]) * own
+    bias = p["bias.own_speed"] * (1 - told["heard"]) * (1 - p["heard_rates"]) * own
     first = ca.vertcat(bias, ca.SX.zeros(network.N2), 0, ca.SX.zeros(network.N2))
     start = {
         "W": first,

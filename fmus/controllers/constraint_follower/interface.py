@@ -42,7 +42,7 @@ INTERFACE = sampled(
     variables=[
         *load_parameters(Path(__file__).with_name("parameters.toml")),
         *bus.follower_parameters(),
-        *bus.follower_inputs(leader_motion=True),
+        *bus.follower_inputs(),
         *_reference(),
         *bus.follower_outputs(),
         *_own(),

@@ -13,8 +13,8 @@ from fmukit.kernel import Signals
 from fmus.cars.rotation import rotation_plane
 from fmus.controllers.constraint_follower import constraints
 from fmus.controllers.constraint_follower.interface import KINDS
-from fmus.controllers.constraint_follower.leader import MovingPlace
 from fmus.controllers.formation import hand
+from fmus.controllers.formation.moving import MovingPlace
 
 _ROWS_OF = {"offset": 2, "distance": 1, "trajectory": 2, "heading": 1}
 _SHORTEST = 1.0  # m; shortest distance by which the row of the distance is divided
@@ -50,15 +50,22 @@ def own(p: Signals, u: Signals, speed: ca.SX, yaw_rate: ca.SX) -> Own:
 
 
 def ask(
-    p: Signals, me: Own, leader: MovingPlace, place: MovingPlace, path: MovingPlace, yielding: ca.SX, heard: ca.SX
+    p: Signals,
+    me: Own,
+    leader: MovingPlace,
+    place: MovingPlace,
+    path: MovingPlace,
+    axes: MovingPlace,
+    yielding: ca.SX,
+    heard: ca.SX,
 ) -> Asked:
     """The accelerations that the constraints switched on ask for.
 
-    `place` is the wanted offset of O1 (2) with derivatives; those to the leader are off while it is not heard.
-    It moves back by `yielding` more for each m/s2 of v' [1], and its column in W B with it.
+    `place` is the wanted offset of O1 (2) in `axes`, a yaw angle (1), with derivatives; those to the leader are off
+    while it is not heard. The place moves back by `yielding` more for each m/s2 of v' [1], and its column in W B too.
     """
     a = p["hand.distance"]
-    s, ds, dds = (ca.vertcat(*parts) for parts in zip(leader, place, path, strict=True))
+    s, ds, dds = (ca.vertcat(*parts) for parts in zip(leader, place, path, axes, strict=True))
     C, W, rate, gamma = follower_rows()(me.q, me.rate, s, ds, dds, a)
     on = switches(p, heard)
     length = _scale(me, leader, place, a)
@@ -79,11 +86,8 @@ def ask(
 
 def _along_with(me: Own, leader: MovingPlace, n: ca.SX, a: ca.SX, damping: ca.SX) -> ca.SX:
     """tau [m/s2] (2): the hand takes up the motion of the leader's, where constraints to the leader leave it free."""
-    e = ca.vertcat(ca.cos(leader.place[2]), ca.sin(leader.place[2]))
-    turn, turn_rate = leader.rate[2], leader.acceleration[2]
-    velocity = leader.rate[:2] + a * turn * hand.S @ e
-    acceleration = leader.acceleration[:2] + a * (turn_rate * hand.S @ e - turn**2 * e)
-    wanted = acceleration - damping * (me.rate[:2] - velocity)
+    ahead = hand.moving(leader, a)
+    wanted = ahead.acceleration - damping * (me.rate[:2] - ahead.rate)
     return rotation_plane(me.q[2]).T @ (wanted - n[:2])
 
 
@@ -99,11 +103,14 @@ def error(p: Signals, asked: Asked) -> ca.SX:
 
 
 def follower_rows() -> ca.Function:
-    """(q, q', s, s', s'', a) -> (C, W, C', gamma) of all rows: q (3), s (8) = leader's O1 (3), r (2), path's O1 (3)."""
-    q, s, a = ca.SX.sym("q", 3), ca.SX.sym("s", 8), ca.SX.sym("a")
-    leader, r, path = _hand_of(s[:3], a), s[3:5], _hand_of(s[5:], a)
+    """(q, q', s, s', s'', a) -> (C, W, C', gamma) of all rows: q (3) and s (9).
+
+    s are the leader's O1 (3), r (2), the path's O1 (3), and the yaw angle of the axes of r (1).
+    """
+    q, s, a = ca.SX.sym("q", 3), ca.SX.sym("s", 9), ca.SX.sym("a")
+    leader, r, path = _hand_of(s[:3], a), s[3:5], _hand_of(s[5:8], a)
     C = ca.vertcat(
-        constraints.offset(q, leader, r),
+        constraints.offset(q, ca.vertcat(leader[:2], s[8]), r),
         constraints.distance(q, leader, r),
         constraints.trajectory(q, path),
         constraints.heading(q, leader),

@@ -7,9 +7,10 @@ import casadi as ca
 from fmukit.kernel import Kernel, Layout, Parts, Signals, named, sampled_kernel
 from fmus.cars.rotation import rotation_plane
 from fmus.clip import clip
-from fmus.controllers.constraint_follower import commands, law, leader, places
+from fmus.controllers.constraint_follower import commands, law, places
 from fmus.controllers.constraint_follower.interface import INTERFACE, KINDS, ROWS
-from fmus.controllers.formation import common, link, offset, realise
+from fmus.controllers.formation import common, frame, leader, link, offset, realise
+from fmus.controllers.formation.moving import MovingPlace
 
 STATES = Layout(
     started=1,  # 0 before the first sample, which starts from the own motion
@@ -21,6 +22,7 @@ STATES = Layout(
     path=places.PATH,
     link=link.STATES,
     leader=leader.STATES,
+    frame=frame.STATES,
 )
 
 
@@ -43,8 +45,10 @@ def sample(p: Signals, u: Signals, x: Parts) -> tuple[Parts, Parts]:
     back, yielding = places.acceleration(p, before["headway"], integrals.speed)
     place = places.place(before["offset"], before["headway"], back)
     me = law.own(p, u, *integrals)
-    others = leader.motion(p, followed), place, places.path(p, u, before["path"])
-    asked = law.ask(p, me, *others, yielding, linked.heard)
+    ahead = leader.motion(p, followed)
+    rod = frame.follow(p, u, before["frame"], ahead, place, linked.heard)
+    axes = frame.motion(p, rod, ahead, place)
+    asked = law.ask(p, me, ahead, place, places.path(p, u, before["path"]), axes, yielding, linked.heard)
     alone = ca.logic_and(linked.heard < 0.5, ca.sum1(asked.on) < 0.5)
     last = commands.Pair(before["command"][0], before["command"][1])
     driven = commands.command(p, u, asked, linked, alone, integrals, last)
@@ -58,6 +62,7 @@ def sample(p: Signals, u: Signals, x: Parts) -> tuple[Parts, Parts]:
         "path": places.path_state(p, u, before["path"]),
         "link": linked.state,
         "leader": followed,
+        "frame": rod,
     }
     return after, _outputs(p, u, driven, asked, linked, place, followed)
 
@@ -91,7 +96,7 @@ def _outputs(
     driven: commands.Commands,
     asked: law.Asked,
     linked: link.Link,
-    place: leader.MovingPlace,
+    place: MovingPlace,
     followed: Parts,
 ) -> Parts:
     rate = leader.rates(p, followed)

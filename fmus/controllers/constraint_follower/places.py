@@ -5,9 +5,9 @@ from __future__ import annotations
 import casadi as ca
 
 from fmukit.kernel import Layout, Parts, Signals
-from fmus.controllers.constraint_follower.leader import MovingPlace
 from fmus.controllers.formation import offset
 from fmus.controllers.formation.hand import S
+from fmus.controllers.formation.moving import MovingPlace
 
 HEADWAY = Layout(
     back=1,  # how far the place has moved back [m]

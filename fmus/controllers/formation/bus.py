@@ -21,12 +21,9 @@ def follower_parameters() -> list[Variable]:
     return [*load_parameters(Path(__file__).with_name("parameters.toml")), *design_parameters(DESIGN)]
 
 
-def follower_inputs(*, leader_motion: bool) -> list[Variable]:
-    """The newest message of the leader, the own estimate and the wanted place; all angles may be wrapped.
-
-    With `leader_motion` the message also carries the leader's velocity and yaw rate.
-    """
-    return [*_leader(leader_motion), *_estimate(), *_formation()]
+def follower_inputs() -> list[Variable]:
+    """The newest message of the leader, the own estimate and the wanted place; all angles may be wrapped."""
+    return [*_leader(), *_estimate(), *_formation()]
 
 
 def follower_outputs(*, led_back: bool = False) -> list[Variable]:
@@ -50,20 +47,14 @@ def follower_outputs(*, led_back: bool = False) -> list[Variable]:
     ]
 
 
-def _leader(motion: bool) -> list[Variable]:
+def _leader() -> list[Variable]:
     return [
         *group(input_, "leader.position", "xy", "m", "world position of the leader's O1, newest message"),
         input_("leader.yaw", "rad", "yaw angle of the leader, newest message"),
-        *(_motion() if motion else []),
-        input_("leader.age", "s", "how old the newest message is", minimum=0.0),
-        input_("leader.valid", "1", "1 once there is a message, else 0", 1.0, minimum=0.0, maximum=1.0),
-    ]
-
-
-def _motion() -> list[Variable]:
-    return [
         *group(input_, "leader.velocity", "xy", "m/s", "velocity of the leader's O1 in its body axes, newest message"),
         input_("leader.yaw_rate", "rad/s", "yaw rate of the leader, newest message"),
+        input_("leader.age", "s", "how old the newest message is", minimum=0.0),
+        input_("leader.valid", "1", "1 once there is a message, else 0", 1.0, minimum=0.0, maximum=1.0),
     ]
 
 

@@ -11,6 +11,7 @@ from typing import Any
 import casadi as ca
 
 from fmus.cars.rotation import rotation_plane
+from fmus.controllers.formation.moving import MovingPlace
 
 S = ca.DM([[0.0, -1.0], [1.0, 0.0]])
 """S x is x turned by a quarter to the left; R' = psi' R S."""
@@ -29,3 +30,14 @@ def body_velocity(velocity: Any, yaw_rate: Any, a: Any) -> Any:
 def velocity(velocity: Any, yaw: Any, yaw_rate: Any, a: Any) -> Any:
     """h' in world axes [m/s] (2); `velocity` is that of O1 in body axes, sideslip included."""
     return rotation_plane(yaw) @ body_velocity(velocity, yaw_rate, a)
+
+
+def moving(vehicle: MovingPlace, a: Any) -> MovingPlace:
+    """h, h', h'' in world axes (2 each) of a vehicle that moves as (x, y, psi) of its O1 does."""
+    turning, turning_rate = vehicle.rate[2], vehicle.acceleration[2]
+    e = ca.vertcat(ca.cos(vehicle.place[2]), ca.sin(vehicle.place[2]))
+    return MovingPlace(
+        vehicle.place[:2] + a * e,
+        vehicle.rate[:2] + a * turning * S @ e,
+        vehicle.acceleration[:2] + a * (turning_rate * S @ e - turning**2 * e),
+    )

@@ -12,7 +12,7 @@ the head is taken to be as old as the message; until the first one, and while th
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import casadi as ca
 
@@ -20,6 +20,7 @@ from fmukit.kernel import Layout, Parts, Signals, choose
 from fmus.cars.rotation import rotation_plane, wrap
 from fmus.controllers.formation.hand import S
 from fmus.controllers.formation.messages import news
+from fmus.controllers.formation.moving import MovingPlace
 
 STATES = Layout(
     heard=1,  # 1 while the link stands
@@ -31,14 +32,6 @@ STATES = Layout(
     rate=4,  # w'
     curve=4,  # w''
 )
-
-
-class MovingPlace(NamedTuple):
-    """A place with its first and second derivative, such as (x, y, psi) of O1 in the world (3 each)."""
-
-    place: ca.SX
-    rate: ca.SX
-    acceleration: ca.SX
 
 
 def follow(p: Signals, u: Signals, before: Parts, heard: ca.SX) -> Parts:

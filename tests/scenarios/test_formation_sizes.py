@@ -1,0 +1,57 @@
+"""Formations of any size: places from the head's messages keep errors from growing, whatever the topology and law."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from cosim.model.system import parse_assignments
+from cosim.run.request import Request
+from cosim.run.running import Finished, run
+from cosim.scenario.discovery import load
+
+LAWS = ("formation-adaptive", "formation-constraint")
+LIGHT = "scenario.plant=unicycle"
+KEPT = 0.30
+"""Root mean square [m] of the hand point of every car."""
+GROWTH, NOTHING = 1.2, 0.05
+"""Of the last car's to the first follower's, where that is above so many m."""
+
+
+def drive(name: str, folder: Path, *assignments: str, stop: float | None = None, seed: int = 0) -> Finished:
+    finished = run(Request(load(name), folder, parse_assignments(assignments), seed, stop))
+    assert finished.summary.status == "ok", finished.summary.reason
+    return finished
+
+
+def values(finished: Finished) -> dict[str, float]:
+    return {name: metric.value for name, metric in finished.summary.metrics.items()}
+
+
+def check(metrics: dict[str, float], size: int) -> None:
+    """All cars are kept, none met another, and the last is no worse than the first follower."""
+    errors = [metrics[f"car{k}.formation_error_rms"] for k in range(2, size + 1)]
+    ratio = errors[-1] / errors[0] if errors[0] > NOTHING else math.nan
+    print(f"rms {max(errors):.3f} m, max {metrics['formation_error_max']:.3f} m, last to first {ratio:.2f}")
+    assert max(errors) <= KEPT
+    assert metrics["collision"] == 0.0
+    assert not ratio > GROWTH  # nor where there is none
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_thirteen_cars_are_kept(law: str, tmp_path: Path) -> None:
+    """While the head weaves; with places from neighbours the last car swings by metres."""
+    cars = (LIGHT, "scenario.vehicles=13")
+    check(values(drive(law, tmp_path, *cars, stop=10.0)), 13)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("size", [4, 13, 25, 50])
+@pytest.mark.parametrize("topology", ["diamond", "v", "chain"])
+@pytest.mark.parametrize("law", LAWS)
+def test_any_number_of_cars_is_kept_in_the_whole_manoeuvre(law: str, topology: str, size: int, tmp_path: Path) -> None:
+    """A star has the shape of a chain, and seen from the head is the same."""
+    cars = (LIGHT, f"scenario.vehicles={size}", f"scenario.topology={topology}")
+    check(values(drive(law, tmp_path, *cars)), size)
