@@ -31,6 +31,6 @@ def unpacking_folder() -> Path:
 
 def _candidates() -> Iterator[Path]:
     yield Path(tempfile.gettempdir()).resolve()
-    yield from (Path("/tmp"), Path("/var/tmp"), Path("/dev/shm"))  # noqa: S108: the folder in it has a name of its own
+    yield from (Path("/tmp"), Path("/var/tmp"), Path("/dev/shm"))
     yield Path(os.environ.get("SYSTEMROOT", "")) / "Temp"
     yield Path.cwd()

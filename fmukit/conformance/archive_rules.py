@@ -49,6 +49,7 @@ def _readable(package: Package) -> Iterator[str]:
     "Entries are deflated or stored",
     "2.3",
     "Pack the FMU with the method deflate, which is what `zip` and zipfile.ZIP_DEFLATED do.",
+    vital=True,
 )
 def _methods(package: Package) -> Iterator[str]:
     yield from unpacking.packed_otherwise(package.entries)
@@ -59,6 +60,7 @@ def _methods(package: Package) -> Iterator[str]:
     "No entry leads out of the archive",
     "2.3",
     "Name entries relative to the root of the FMU, with forward slashes, without '..', drive letters or a leading '/'.",
+    vital=True,
 )
 def _escapes(package: Package) -> Iterator[str]:
     for entry in package.entries:
@@ -71,6 +73,7 @@ def _escapes(package: Package) -> Iterator[str]:
     "Entries are files and folders, no links or devices",
     "good practice",
     "Put the file itself into the archive in place of a link to it (zip without -y).",
+    vital=True,
 )
 def _special(package: Package) -> Iterator[str]:
     for entry in package.entries:
@@ -83,6 +86,7 @@ def _special(package: Package) -> Iterator[str]:
     "No two entries have the same name",
     "good practice",
     "Keep one of the entries; names that differ only in capitals overwrite each other on Windows and macOS.",
+    vital=True,
 )
 def _duplicates(package: Package) -> Iterator[str]:
     yield from (f"the archive {sentence}" for sentence in unpacking.duplicates(package.entries))
@@ -94,6 +98,7 @@ def _duplicates(package: Package) -> Iterator[str]:
     "good practice",
     f"Stay below {unpacking.MAX_ENTRIES} entries and {unpacking.MAX_BYTES >> 20} MiB unpacked, and leave out files of "
     "nothing but padding: an archive that unpacks to far more than it weighs is refused as a zip bomb.",
+    vital=True,
 )
 def _size(package: Package) -> Iterator[str]:
     yield from (f"the archive {sentence}" for sentence in unpacking.oversize(package.entries))

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from fmukit.conformance.package import Package
 from fmukit.conformance.rule import GROUPS, Finding, look
-from fmukit.conformance.rulebook import READING, RUNNING
-from fmukit.conformance.running import run_groups, skipped
+from fmukit.conformance.rulebook import READING
+from fmukit.conformance.running import of_groups, run_groups, skipped
 
 ALL = "".join(GROUPS)
 READ_ONLY = frozenset(rule.id[0] for rule in READING)
@@ -25,16 +25,16 @@ def check(path: Path | str, groups: str = ALL, others: Sequence[Path | str] = ()
     findings = [look(rule, package) for rule in READING if rule.id[0] in groups]
     if READ_ONLY.issuperset(groups):
         return findings
-    return findings + [finding for finding in _run(package, others) if finding.rule.id[0] in groups]
+    return findings + _run(package, groups, others)
 
 
-def _run(package: Package, others: Sequence[Path | str]) -> list[Finding]:
+def _run(package: Package, groups: str, others: Sequence[Path | str]) -> list[Finding]:
     broken = [rule.id for rule in READING if rule.vital and look(rule, package).status == "fail"]
     if broken:
-        return skipped(RUNNING, f"not run, because rule {broken[0]} does not hold")
-    return run_groups(package, others)
+        return skipped(of_groups(groups), f"not run, because rule {broken[0]} does not hold")
+    return run_groups(package, others, groups=groups)
 
 
-def holds(findings: Sequence[Finding]) -> bool:
-    """Whether no rule failed."""
-    return all(finding.status != "fail" for finding in findings)
+def holds(findings: Sequence[Finding], *, strict: bool = False) -> bool:
+    """Whether the FMU violates no rule of the standard; `strict`: nor any that is advice."""
+    return not any(finding.is_broken("violation") or (strict and finding.is_broken("advice")) for finding in findings)

@@ -1,9 +1,9 @@
-"""`fmus check`: is an FMU sound? Exit status 0 only if every rule holds for every file."""
+"""`fmus check`: is an FMU sound? Exit status 0 only if no file violates a rule of the standard."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -11,10 +11,11 @@ import typer
 from rich.console import Console
 from rich.markup import escape
 
+from fmukit.conformance import junit
 from fmukit.conformance.check import ALL, check, holds
 from fmukit.conformance.report import records, table
 from fmukit.conformance.rule import GROUPS, Finding
-from fmukit.errors import UserError
+from fmukit.errors import UserError, because
 
 _HELP = "Only these groups: " + ", ".join(f"{letter} {name}" for letter, name in GROUPS.items()) + "."
 
@@ -23,6 +24,9 @@ def check_files(
     files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="FMUs, ours or anybody's.")],
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
     groups: Annotated[str, typer.Option(help=_HELP)] = ALL,
+    strict: Annotated[bool, typer.Option("--strict", help="Exit with 1 for advice too.")] = False,
+    everything: Annotated[bool, typer.Option("--all", help="List also the rules that hold.")] = False,
+    report: Annotated[Path | None, typer.Option("--junit", metavar="FILE", help="Write JUnit XML.")] = None,
 ) -> None:
     """Check FMI 2.0 co-simulation FMUs: archive, model description, life cycle, behaviour, isolation."""
     _usable(files, groups)
@@ -31,14 +35,19 @@ def check_files(
         with Console(stderr=True).status(escape(f"checking {file}")):
             found.append((file, check(file, groups, files[k:])))  # each pair once, in both orders
         if not as_json:
-            Console().print(table(*found[-1]))
+            Console().print(table(*found[-1], everything=everything))
     if as_json:
         print(json.dumps([record for file, findings in found for record in records(file, findings)], indent=2))
-    raise typer.Exit(_status(findings for _, findings in found))
+    if report is not None:
+        _write(report, found, strict)
+    raise typer.Exit(0 if all(holds(findings, strict=strict) for _, findings in found) else 1)
 
 
-def _status(found: Iterable[Sequence[Finding]]) -> int:
-    return 0 if all(holds(findings) for findings in found) else 1
+def _write(report: Path, found: Sequence[tuple[Path, Sequence[Finding]]], strict: bool) -> None:
+    try:
+        junit.write(report, found, strict=strict)
+    except OSError as error:
+        raise UserError(f"cannot write {report}: {because(error)}; give --junit another file") from None
 
 
 def _usable(files: Sequence[Path], groups: str) -> None:

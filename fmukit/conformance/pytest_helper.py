@@ -8,8 +8,8 @@ from fmukit.conformance.check import ALL, check
 from fmukit.conformance.report import sentences
 
 
-def assert_conformant(path: Path | str, groups: str = ALL) -> None:
-    """Fail with one paragraph per rule that does not hold for the FMU."""
-    failures = sentences(Path(path), check(path, groups))
+def assert_conformant(path: Path | str, groups: str = ALL, *, strict: bool = False) -> None:
+    """Fail with one paragraph per rule that the FMU violates; `strict`: also per rule that is advice."""
+    failures = sentences(Path(path), check(path, groups), strict=strict)
     if failures:
         raise AssertionError(failures)

@@ -78,7 +78,7 @@ def impossible_steps(bench: Bench) -> Iterator[str]:
 @RULES.add(
     "L13",
     "Outputs and fixed parameters cannot be set during the run",
-    "2.2.7",
+    "good practice",
     "refuse fmi2SetXXX on outputs, and on fixed parameters once initialised, with a message",
 )
 def set_what_is_fixed(bench: Bench) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""The outcome of a check for people (a table) and for programs (JSON)."""
+"""The outcome of a check for people (a table) and for programs (JSON; `junit` has the other form)."""
 
 from __future__ import annotations
 
@@ -11,47 +11,59 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
-from fmukit.conformance.rule import Finding, Rule
+from fmukit.conformance.rule import Finding, Rule, Severity
 
-_STYLE = {"pass": "green", "fail": "bold red", "skip": "dim"}
+_SAID: dict[Severity, str] = {"violation": "violated", "advice": "advised"}
+_STYLE = {"pass": "green", "violation": "bold red", "advice": "yellow", "skip": "dim"}
 
 
-def table(path: Path, findings: Sequence[Finding]) -> Group:
-    """One line per rule; below a failing one what was seen (-) and the remedy (>). Reasons of skips come last."""
+def table(path: Path, findings: Sequence[Finding], *, everything: bool = False) -> Group:
+    """What does not hold, violations first: what was seen (-) and the remedy (>). The rest only if `everything`."""
+    broken = [f for kind in _SAID for f in findings if f.is_broken(kind)]
+    rest = [f for f in findings if f not in broken]
+    shown = [*broken, *rest] if everything else broken
     grid = Table(box=None, pad_edge=False)
     for heading in ("rule", "what must hold", "section", "status"):
         grid.add_column(heading, no_wrap=heading in ("rule", "status"))
-    for finding in findings:
-        rule, style = finding.rule, _STYLE[finding.status]
-        grid.add_row(rule.id, _story(finding), Text(rule.section), Text(finding.status, style))
+    for finding in shown:
+        rule, word = finding.rule, _word(finding)
+        grid.add_row(rule.id, _story(finding), Text(_section(rule)), Text(word, _STYLE[word]))
     reasons = [Text(f"{ids} skipped: {reason}", "dim") for reason, ids in _skipped(findings).items()]
-    return Group(grid, *reasons, Text(f"{path}: {summary(findings)}", "bold"))
+    return Group(*([grid] if shown else []), *reasons, Text(f"{path}: {summary(findings)}", "bold"))
 
 
 def summary(findings: Sequence[Finding]) -> str:
-    """How many rules hold, fail and do not apply, in words."""
-    count = Counter(finding.status for finding in findings)
-    failed = [finding.rule.id for finding in findings if finding.status == "fail"]
+    """How many rules hold and do not apply, which are violated and which are advised, in words."""
+    count = Counter(map(_word, findings))
     words = [f"{count['pass']} rules hold"]
     words += [f"{count['skip']} do not apply"] if count["skip"] else []
-    words += [f"{count['fail']} broken ({', '.join(failed)})"] if failed else []
+    for severity, participle in _SAID.items():
+        ids = [finding.rule.id for finding in findings if finding.is_broken(severity)]
+        words += [f"{len(ids)} {participle} ({', '.join(ids)})"] if ids else []
     return ", ".join(words)
 
 
-def sentences(path: Path, findings: Iterable[Finding]) -> str:
-    """The failures as plain text, for an assertion; "" if there are none."""
+def sentences(path: Path, findings: Iterable[Finding], *, strict: bool) -> str:
+    """The violations as plain text, for an assertion, `strict`: and the advice; "" if there are none."""
     lines = []
     for finding in findings:
-        if finding.status == "fail":
-            lines += [f"{path}: {finding.rule.id} {finding.rule.title} (section {finding.rule.section})"]
-            lines += [f"  - {_printable(seen)}" for seen in finding.seen] + [f"  > {finding.rule.remedy}"]
+        if finding.is_broken("violation") or (strict and finding.is_broken("advice")):
+            lines += [
+                f"{path}: {finding.rule.id} {finding.rule.title} (section {_section(finding.rule)})",
+                *said(finding),
+            ]
     return "\n".join(lines)
 
 
+def said(finding: Finding) -> list[str]:
+    """What was seen of a rule that does not hold, and the remedy, a line each."""
+    return [*(f"  - {_printable(seen)}" for seen in finding.seen), f"  > {finding.rule.remedy}"]
+
+
 def rule_table(rules: Iterable[Rule[Any]]) -> str:
-    """Id, title and section of the rules as a Markdown table."""
-    lines = [f"| {rule.id} | {rule.title} | {rule.section} |" for rule in rules]
-    return "\n".join(["| rule | what must hold | section |", "|---|---|---|", *lines])
+    """Id, title, section and severity of the rules as a Markdown table."""
+    lines = [f"| {rule.id} | {rule.title} | {_section(rule)} | {rule.severity} |" for rule in rules]
+    return "\n".join(["| rule | what must hold | section | otherwise |", "|---|---|---|---|", *lines])
 
 
 def records(path: Path, findings: Iterable[Finding]) -> list[dict[str, object]]:
@@ -63,6 +75,7 @@ def records(path: Path, findings: Iterable[Finding]) -> list[dict[str, object]]:
             "group": finding.rule.group,
             "title": finding.rule.title,
             "section": finding.rule.section,
+            "severity": finding.rule.severity,
             "status": finding.status,
             "seen": list(finding.seen),
             "remedy": finding.rule.remedy if finding.status == "fail" else "",
@@ -71,11 +84,19 @@ def records(path: Path, findings: Iterable[Finding]) -> list[dict[str, object]]:
     ]
 
 
+def _word(finding: Finding) -> str:
+    return finding.rule.severity if finding.status == "fail" else finding.status
+
+
+def _section(rule: Rule[Any]) -> str:
+    return f"{rule.section}, disputed" if rule.disputed else rule.section
+
+
 def _story(finding: Finding) -> Text:
     text = Text(finding.rule.title)
     if finding.status == "fail":
         for seen in finding.seen:
-            text.append(f"\n- {_printable(seen)}", _STYLE["fail"])
+            text.append(f"\n- {_printable(seen)}", _STYLE[finding.rule.severity])
         text.append(f"\n> {finding.rule.remedy}")
     return text
 

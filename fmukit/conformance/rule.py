@@ -8,6 +8,9 @@ from typing import Any, Generic, Literal, TypeVar
 
 S = TypeVar("S")
 Status = Literal["pass", "fail", "skip"]
+Severity = Literal["violation", "advice"]
+ADVICE = "good practice"
+"""The section of rules that the standard does not ask for."""
 Check = Callable[[S], Iterator[str]]
 GROUPS = {"A": "archive", "X": "model description", "L": "life cycle", "B": "behaviour", "I": "isolation"}
 
@@ -21,8 +24,9 @@ class Rule(Generic[S]):
     """`check` takes the subject of its group and yields one sentence, with the value seen, per violation.
 
     The `id` is the letter of the group and a number, which the rule keeps for good. `section` names the section of the
-    FMI 2.0 standard, or "good practice"; `remedy` tells a newcomer what to do. `needs` gives the reason why the rule
-    does not apply to a subject, or "". What breaks a `vital` rule is not run any further.
+    FMI 2.0 standard, or ADVICE; `remedy` tells a newcomer what to do. `needs` gives the reason why the rule does not
+    apply to a subject, or "". What breaks a `vital` rule is not run any further. Tools read the section of a `disputed`
+    rule in different ways.
     """
 
     id: str
@@ -32,6 +36,12 @@ class Rule(Generic[S]):
     check: Check[S]
     needs: Callable[[S], str]
     vital: bool = False
+    disputed: bool = False
+
+    @property
+    def severity(self) -> Severity:
+        """If the rule does not hold, the FMU violates the standard or cannot run; or it could be better."""
+        return "advice" if self.disputed or (self.section == ADVICE and not self.vital) else "violation"
 
     @property
     def group(self) -> str:
@@ -54,6 +64,10 @@ class Finding:
     status: Status
     seen: tuple[str, ...] = ()
 
+    def is_broken(self, severity: Severity) -> bool:
+        """Whether the rule does not hold and is of that severity."""
+        return self.status == "fail" and self.rule.severity == severity
+
 
 def nothing(_subject: object) -> str:
     """The `needs` of rules that apply to every subject."""
@@ -71,12 +85,12 @@ class Rules(Generic[S]):
         return iter(self._rules)
 
     def add(
-        self, id_: str, title: str, section: str, remedy: str, *, vital: bool = False
+        self, id_: str, title: str, section: str, remedy: str, *, vital: bool = False, disputed: bool = False
     ) -> Callable[[Check[S]], Check[S]]:
         """Put the decorated check into the table as the rule `id_`."""
 
         def register(check: Check[S]) -> Check[S]:
-            self._rules.append(Rule(id_, title, section, remedy, check, self._needs, vital))
+            self._rules.append(Rule(id_, title, section, remedy, check, self._needs, vital, disputed))
             return check
 
         return register

@@ -27,17 +27,20 @@ _BY_ID = {rule.id: rule for rule in RUNNING}
 
 
 def run_groups(
-    subject: Package | Path | str, others: Sequence[Path | str] = (), patience: float = PATIENCE
+    subject: Package | Path | str,
+    others: Sequence[Path | str] = (),
+    patience: float = PATIENCE,
+    groups: str = "LBI",
 ) -> list[Finding]:
-    """A finding per rule of the groups L, B and I, in their order.
+    """A finding per rule of those `groups`, in their order; vital rules of others are applied, but not reported.
 
     `others` are FMUs to run beside it. A rule that takes longer than `patience` [s] fails. The archive is unpacked with
     the limits of `fmukit.unpacking`; its code runs with the rights of the caller.
     """
     package = subject if isinstance(subject, Package) else Package.read(subject)
-    reason = _unfit(package)
+    wanted, reason = of_groups(groups), _unfit(package)
     if reason:
-        return skipped(RUNNING, reason)
+        return skipped(wanted, reason)
     with tempfile.TemporaryDirectory("", "fmus-check-", unpacking_folder(), ignore_cleanup_errors=True) as name:
         scratch = Path(name)
         try:
@@ -50,8 +53,14 @@ def run_groups(
                 for text in (str(other.path.resolve()), _unpacked(other, scratch / f"other{k}"))
             ]
         except ArchiveError as error:
-            return skipped(RUNNING, str(error))
-        return _all_rules(arguments, extra, scratch, patience)
+            return skipped(wanted, str(error))
+        rules = [rule for rule in RUNNING if rule.vital or rule in wanted]
+        return [found for found in _all_rules(arguments, extra, rules, scratch, patience) if found.rule in wanted]
+
+
+def of_groups(groups: str) -> list[Rule[Bench]]:
+    """The rules for running FMUs of those groups."""
+    return [rule for rule in RUNNING if rule.id[0] in groups]
 
 
 def _unpacked(package: Package, folder: Path) -> str:
@@ -73,24 +82,27 @@ def skipped(rules: Sequence[Rule[Bench]], reason: str) -> list[Finding]:
     return [Finding(rule, "skip", (reason,)) for rule in rules]
 
 
-def _all_rules(arguments: list[str], others: list[str], scratch: Path, patience: float) -> list[Finding]:
+def _all_rules(
+    arguments: list[str], others: list[str], rules: Sequence[Rule[Bench]], scratch: Path, patience: float
+) -> list[Finding]:
     """Worker after worker, until every rule has its finding."""
     found: list[Finding] = []
-    while len(found) < len(RUNNING):
-        for finding in _one_worker([*arguments, RUNNING[len(found)].id, *others], scratch, patience):
+    while len(found) < len(rules):
+        left = [rule.id for rule in rules[len(found) :]]
+        for finding in _one_worker([*arguments, ",".join(left), *others], left[0], scratch, patience):
             found.append(finding)
             rule = finding.rule
             if rule.vital and finding.status == "fail":
-                return found + skipped(RUNNING[len(found) :], f"not looked at, because rule {rule.id} does not hold")
+                return found + skipped(rules[len(found) :], f"not looked at, because rule {rule.id} does not hold")
     return found
 
 
-def _one_worker(arguments: list[str], scratch: Path, patience: float) -> Iterator[Finding]:
-    """The findings of one worker; its last one says how it died, if it did."""
+def _one_worker(arguments: list[str], first: str, scratch: Path, patience: float) -> Iterator[Finding]:
+    """The findings of one worker, from the rule `first` on; its last one says how it died, if it did."""
     process = _start(arguments, scratch)
     events: queue.Queue[dict[str, Any] | None] = queue.Queue()
     threading.Thread(target=_listen, args=(process, events), daemon=True).start()
-    at = arguments[2]
+    at = first
     try:
         while True:
             event = events.get(timeout=patience)
@@ -104,7 +116,7 @@ def _one_worker(arguments: list[str], scratch: Path, patience: float) -> Iterato
         if at:
             yield Finding(_BY_ID[at], "fail", (f"the process {death(code)}",))
     except queue.Empty:
-        yield Finding(_BY_ID[at or arguments[2]], "fail", (f"no answer within {patience:g} s: a call does not return",))
+        yield Finding(_BY_ID[at or first], "fail", (f"no answer within {patience:g} s: a call does not return",))
     finally:
         process.kill()
         process.wait()

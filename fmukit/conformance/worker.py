@@ -1,6 +1,6 @@
 """The process the rules of a running FMU are applied in: one line of JSON per event on the standard output.
 
-Arguments: the FMU file, the folder it is unpacked in, the id of the first rule, then pairs of other FMUs. Before a rule
+Arguments: the FMU file, the folder it is unpacked in, the ids of the rules, then pairs of other FMUs. Before a rule
 it says {"begin": id}, after it {"rule": id, "status": ..., "seen": [...]}.
 """
 
@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import os
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import IO
 
@@ -18,10 +19,9 @@ from fmukit.conformance.rule import look
 from fmukit.conformance.rulebook import RUNNING
 
 
-def work(bench: Bench, begin: str, answer_to: IO[str]) -> None:
-    """Apply all rules from `begin` on."""
-    ids = [rule.id for rule in RUNNING]
-    for rule in RUNNING[ids.index(begin) :]:
+def work(bench: Bench, ids: Sequence[str], answer_to: IO[str]) -> None:
+    """Apply the rules of those ids."""
+    for rule in (rule for rule in RUNNING if rule.id in ids):
         _say(answer_to, {"begin": rule.id})
         finding = look(rule, bench)
         seen = [sentence.removeprefix("CallFailed: ") for sentence in finding.seen]
@@ -37,9 +37,9 @@ def _main(arguments: list[str]) -> None:
     """Nothing the FMU prints may go where the answers go; the process ends without asking the FMU's libraries."""
     answer_to = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
-    file, folder, begin, *others = arguments
+    file, folder, ids, *others = arguments
     beside = tuple(_bench(*pair) for pair in zip(others[::2], others[1::2], strict=True))
-    work(_bench(file, folder, beside), begin, answer_to)
+    work(_bench(file, folder, beside), ids.split(","), answer_to)
     os._exit(0)
 
 

@@ -185,7 +185,7 @@ def test_nothing_is_printed(file: Path) -> None:
 
 
 def test_it_obeys_the_reading_rules(file: Path) -> None:
-    assert_conformant(file, "AX")
+    assert_conformant(file, "AX", strict=True)
 
 
 def test_it_obeys_the_running_rules(file: Path) -> None:

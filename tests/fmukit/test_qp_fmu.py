@@ -121,12 +121,12 @@ def test_time_is_measured_when_asked_for(path: Path) -> None:
 
 
 def test_it_obeys_the_reading_rules(path: Path) -> None:
-    assert_conformant(path, "AX")
+    assert_conformant(path, "AX", strict=True)
 
 
 @pytest.mark.nightly
 def test_it_obeys_every_rule(path: Path) -> None:
-    assert_conformant(path)
+    assert_conformant(path, strict=True)
 
 
 def test_it_carries_the_licence_and_notice_of_osqp(path: Path) -> None:

@@ -110,6 +110,7 @@ def _dependencies(package: Package) -> Iterator[str]:
     "2.2.8",
     "Take other variables off dependencies; during the run only inputs, tunable parameters, exposed states and the "
     "independent variable are known from outside.",
+    disputed=True,
 )
 def _knowns(package: Package) -> Iterator[str]:
     states = {variable.derivative for variable in _named(package, "Derivatives")}
