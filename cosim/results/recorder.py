@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from ctypes import c_double
 from pathlib import Path
 from time import monotonic
@@ -37,7 +37,7 @@ class Recorder:
     """Call it once per tick. `vector` is [time, signals...]; `chosen` are positions in `signals`; `folder` exists.
 
     With `every` [ns] only the first call at or after each multiple of it makes a row, and the one at `stop` [ns].
-    Rows are gathered in a chunk and appended to the stream whenever it is full.
+    Rows are gathered in a chunk and appended to the stream whenever it is full. `about` becomes the file's metadata.
     """
 
     def __init__(
@@ -48,6 +48,7 @@ class Recorder:
         chosen: Sequence[int],
         every: int = 0,
         stop: int | None = None,
+        about: Mapping[bytes, bytes] | None = None,
     ) -> None:
         self._folder = folder
         self._every, self._stop = every, stop
@@ -56,7 +57,7 @@ class Recorder:
         self._chunk = np.zeros((min(_ROWS, 1 + CHUNK_VALUES // len(self._index)), len(self._index)))
         self._rows = list(self._chunk)
         self._columns = np.zeros(self._chunk.T.shape)
-        schema = _schema([signals[i] for i in chosen])
+        schema = _schema([signals[i] for i in chosen], about)
         self._batch = pa.record_batch([pa.array(column) for column in self._columns], schema=schema)
         self._take = vector.take
         self._filled = self._written = 0
@@ -120,8 +121,9 @@ class Recorder:
             stream.unlink()
 
 
-def _schema(signals: Sequence[Signal]) -> Any:
+def _schema(signals: Sequence[Signal], about: Mapping[bytes, bytes] | None) -> Any:
     columns = [("time", "s"), *((signal.name, signal.unit) for signal in signals)]
     return pa.schema(
-        [pa.field(name, pa.float64(), metadata={"unit": unit} if unit else None) for name, unit in columns]
+        [pa.field(name, pa.float64(), metadata={"unit": unit} if unit else None) for name, unit in columns],
+        metadata=dict(about) if about else None,
     )

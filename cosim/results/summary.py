@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import json
 import math
-import subprocess
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
-from importlib import metadata
 from pathlib import Path
 from typing import Any
 
 from cosim.engine.master import Outcome, Status
 from cosim.model.assembly import Node
 from cosim.model.clock import SECOND, to_seconds
+from cosim.results.provenance import Provenance, command_line
 from cosim.scenario.metric import Metric
 
 SUMMARY = "summary.json"
@@ -43,7 +42,8 @@ class Summary:
     record_every      time between two recorded rows [s], 0 for a row at every tick
     unrecorded        patterns of the signals that were left out of the results
     seed              seed of all noise
-    git               version of this code: the git commit, or that of the installed package
+    command           the command line of the process
+    provenance        what the run was made of, see `cosim.results.provenance.Provenance`
     instances         what each instance did, by its name
     metrics           figures of the run by name; in the file the values stand under `metrics` (null for NaN) and their
                       units under `units`
@@ -58,13 +58,15 @@ class Summary:
     record_every: float
     unrecorded: tuple[str, ...]
     seed: int
-    git: str
+    command: str
+    provenance: Provenance
     instances: Mapping[str, InstanceSummary]
     metrics: Mapping[str, Metric] = field(default_factory=dict)
 
     def data(self) -> dict[str, Any]:
         """The summary as JSON has it: plain values only, metrics apart from their units."""
         plain = asdict(self) | {"unrecorded": list(self.unrecorded)}
+        plain["provenance"] = self.provenance.data()
         plain["metrics"] = {name: _finite(metric.value) for name, metric in self.metrics.items()}
         return plain | {"units": {name: metric.unit for name, metric in self.metrics.items()}}
 
@@ -78,6 +80,7 @@ def summarise(
     seed: int,
     outcome: Outcome,
     nodes: Mapping[str, Node],
+    provenance: Provenance,
     metrics: Mapping[str, Metric],
     record_every: int = 0,
     unrecorded: Sequence[str] = (),
@@ -94,7 +97,8 @@ def summarise(
         record_every=to_seconds(record_every),
         unrecorded=tuple(unrecorded),
         seed=seed,
-        git=code_version(),
+        command=command_line(),
+        provenance=provenance,
         instances={name: _instance(name, node, outcome) for name, node in nodes.items()},
         metrics=metrics,
     )
@@ -110,21 +114,6 @@ def write_summary(summary: Summary, folder: Path) -> None:
         with suppress(OSError):
             partial.unlink()
         raise
-
-
-def code_version() -> str:
-    """The git commit of this code with "-dirty" if it was changed, or the version of the installed package."""
-    root = Path(__file__).resolve().parents[2]
-    if (root / ".git").exists():
-        command = ["git", "-C", str(root), "describe", "--always", "--dirty", "--abbrev=12"]
-        try:
-            return subprocess.run(command, capture_output=True, text=True, check=True, timeout=5).stdout.strip()
-        except (OSError, subprocess.SubprocessError):
-            return "unknown"
-    try:
-        return metadata.version("vehicle-formation-fmus")
-    except metadata.PackageNotFoundError:
-        return "unknown"
 
 
 def _instance(name: str, node: Node, outcome: Outcome) -> InstanceSummary:

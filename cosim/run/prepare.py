@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from cosim.engine.loader import Loader
@@ -14,8 +14,10 @@ from cosim.model.assembly import Node, assemble, leave_out
 from cosim.model.clock import SECOND, to_seconds
 from cosim.model.configuration import Configuration
 from cosim.model.system import System
+from cosim.results.provenance import Provenance
 from cosim.run.remarks import remarks
 from cosim.run.request import Request
+from cosim.run.tracing import provenance
 from cosim.scenario.definition import Work
 from cosim.scenario.settings import PREFIX, Settings, chosen
 
@@ -40,6 +42,7 @@ class RunPlan:
     configured: Configured
     nodes: dict[str, Node]
     schedule: Schedule
+    provenance: Provenance = field(default_factory=Provenance)
 
 
 def plan(request: Request, loader: Loader) -> RunPlan:
@@ -52,7 +55,8 @@ def plan(request: Request, loader: Loader) -> RunPlan:
     _whole_steps(request, nodes, order)
     for remark in remarks(made.configuration.system, nodes):
         _LOG.warning("%s", remark)
-    return RunPlan(request, made, nodes, order)
+    files = {node.model: loader.file(node.model) for node in nodes.values()}
+    return RunPlan(request, made, nodes, order, provenance(request, made.settings, nodes, files))
 
 
 def configured(request: Request, loader: Loader) -> Configured:

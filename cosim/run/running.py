@@ -14,6 +14,7 @@ from cosim.engine.master import Master, Outcome
 from cosim.engine.slave import Slave, SlaveError
 from cosim.errors import CosimError
 from cosim.model.clock import SECOND, to_seconds
+from cosim.results.provenance import KEY
 from cosim.results.reading import Facts, Results, load_results
 from cosim.results.recorder import Recorder, recorded
 from cosim.results.storage import PARQUET, STREAM
@@ -43,7 +44,8 @@ class Finished:
         """Draw the picture of the results into `file`, if the scenario has one; raises OSError."""
         made = self.plan.configured
         if len(self.results.time) > 1:
-            made.work.draw(self.results, made.prepared, file, self.plan.request.scenario.title)
+            title, chosen = self.plan.request.scenario.title, self.plan.provenance.text()
+            made.work.draw(self.results, made.prepared, file, "\n".join(filter(None, [title, chosen])))
 
 
 def run(
@@ -67,7 +69,7 @@ def execute(made: RunPlan, load: Load, progress: Progress = lambda _time: None) 
     with interrupts() as interrupted:
         slaves = load()
         master = Master(made.nodes, made.schedule, slaves)
-        recorder = _recorder(made.request, master)
+        recorder = _recorder(made, master)
         try:
             master.initialise()
             pass_on(slaves)
@@ -81,15 +83,16 @@ def execute(made: RunPlan, load: Load, progress: Progress = lambda _time: None) 
         return _closed(recorder, outcome)
 
 
-def _recorder(request: Request, master: Master) -> Recorder:
+def _recorder(made: RunPlan, master: Master) -> Recorder:
     """A recorder into a folder that holds nothing of an earlier run."""
+    request, about = made.request, {KEY: made.provenance.json().encode()}
     folder = request.folder
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for name in WRITTEN:
             (folder / name).unlink(missing_ok=True)
         kept = recorded(master.signals, request.unrecorded)
-        return Recorder(folder, master.vector, master.signals, kept, request.interval, request.stop)
+        return Recorder(folder, master.vector, master.signals, kept, request.interval, request.stop, about)
     except OSError as error:
         raise CosimError(f"cannot write into {error.filename or folder}: {because(error)}") from None
 
@@ -116,7 +119,7 @@ def _concluded(made: RunPlan, outcome: Outcome) -> Finished:
         metrics = configured.work.metrics(results, configured.prepared) if len(results.time) > 1 else {}
     except Exception as error:  # code of the scenario's author, after a run whose results are good
         metrics, outcome = {}, _unmeasured(outcome, error)
-    about = (request.scenario.name, request.seed, outcome, made.nodes, metrics)
+    about = (request.scenario.name, request.seed, outcome, made.nodes, made.provenance, metrics)
     summary = summarise(*about, request.interval, request.unrecorded)
     try:
         write_summary(summary, request.folder)

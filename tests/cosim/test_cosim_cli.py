@@ -1,14 +1,17 @@
 """The command line as a user meets it, on small FMUs made with plain PythonFMU."""
 
+import hashlib
 import json
 import math
 import sys
 import zipfile
 from functools import partial
+from importlib import metadata
 from pathlib import Path
 
 import pytest
 from cosim_mocks import scenario_of
+from pyarrow import parquet
 
 from cosim.command.main import main
 from cosim.model.system import System
@@ -26,7 +29,8 @@ SUMMARY = {
     "record_every": float,
     "unrecorded": list,
     "seed": int,
-    "git": str,
+    "command": str,
+    "provenance": dict,
     "instances": dict,
     "metrics": dict,
     "units": dict,
@@ -96,6 +100,23 @@ def test_a_run_writes_results_and_summary(cosim, tmp_path):
     assert tilt == ["tilt", "90.000", "deg"], "degrees for the reader"
     known = {"nothing": None, "asked": 0.02, "poured": 3.0, "tilt": math.pi / 2}
     assert summary["metrics"] == {"level_last": results["second.level"][-1], **known}
+
+
+def test_a_run_says_what_it_was_made_of(cosim, tank, tmp_path):
+    line = ["run", "tanks", "--set", "first.inflow=3", "--set", "scenario.period=0.05", "--at", "0.5:first.inflow=1"]
+    for name in "ab":
+        assert cosim(*line, "--seed", "4", "--quiet", "-o", str(tmp_path / name))[0] == 0
+    summary = json.loads((tmp_path / "a" / "summary.json").read_text())
+    made = summary["provenance"]
+    assert summary["command"].split()[1:] == [*line, "--seed", "4", "--quiet", "-o", str(tmp_path / "a")]
+    assert (made["settings"], made["at"]) == ({"source": "good", "period": 0.05}, ["0.5:first.inflow=1"])
+    assert made["set"] == ["first.inflow=3", "scenario.period=0.05"]
+    assert made["values"].keys() == {"first.inflow", "first.seed", "second.seed"}
+    assert made["models"]["Tank"]["sha256"] == hashlib.sha256(tank.read_bytes()).hexdigest()
+    assert made["versions"]["fmpy"] == metadata.version("fmpy")
+    files = [(tmp_path / name / "results.parquet").read_bytes() for name in "ab"]
+    assert files[0] == files[1]
+    assert json.loads(parquet.read_schema(tmp_path / "a" / "results.parquet").metadata[b"cosim"]) == made
 
 
 def test_rows_only_every_so_often(cosim, tmp_path):

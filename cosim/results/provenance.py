@@ -1,0 +1,114 @@
+"""What a run was made of: enough to tell it from every other run and to make it again."""
+
+from __future__ import annotations
+
+import json
+import platform
+import shlex
+import subprocess
+import sys
+import textwrap
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from functools import cache
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from cosim.model.face import Value
+from fmukit.compiling import compiler
+from fmukit.errors import BuildError
+
+PACKAGE = "vehicle-formation-fmus"
+KEY = b"cosim"
+"""The key of the metadata of results.parquet under which this stands as JSON."""
+_WIDTH, _LINES = 110, 3
+_TOOLS = ("fmpy", "pythonfmu", "casadi", "osqp", "numpy", "scipy", "pyarrow")
+
+
+@dataclass(frozen=True, slots=True)
+class Model:
+    """An FMU that took part: its `file`, the SHA-256 of that, and the `tool` that made it."""
+
+    file: str
+    sha256: str
+    tool: str
+
+
+@dataclass(frozen=True, slots=True)
+class Provenance:
+    """Where the results come from; its keys in summary.json are the names of these fields.
+
+    settings  of the scenario, all of them, by name
+    set       what was given by --set, as "instance.variable=value"
+    at        what was given by --at, as "time:instance.input=value"
+    values    parameters and inputs that start with another value than their FMU says, by "instance.variable"
+    scheme    "multirate" or "jacobi"
+    step      the one communication step for all [s], None where each instance has its own
+    models    the FMUs by the name of the model
+    versions  of this package, of its git commit where there is one, of Python, the compiler and the libraries
+    """
+
+    settings: Mapping[str, Value] = field(default_factory=dict)
+    set: Sequence[str] = ()
+    at: Sequence[str] = ()
+    values: Mapping[str, Value] = field(default_factory=dict)
+    scheme: str = "multirate"
+    step: float | None = None
+    models: Mapping[str, Model] = field(default_factory=dict)
+    versions: Mapping[str, str] = field(default_factory=dict)
+
+    def data(self) -> dict[str, Any]:
+        """Plain values as JSON has them."""
+        return asdict(self) | {"set": list(self.set), "at": list(self.at)}
+
+    def json(self) -> str:
+        """As JSON text, the same for equal runs wherever their results are written."""
+        return json.dumps(self.data(), sort_keys=True)
+
+    def text(self) -> str:
+        """What the user chose, as the lines of a title; empty where nothing was."""
+        chosen = " ".join([*self.set, *(f"at {event}" for event in self.at)])
+        return textwrap.fill(textwrap.shorten(chosen, _LINES * _WIDTH, placeholder=" ..."), _WIDTH)
+
+
+def command_line() -> str:
+    """How this process was started, as a shell would take it."""
+    name = Path(sys.argv[0]).name
+    return shlex.join(["cosim" if name == "__main__.py" else name, *sys.argv[1:]])
+
+
+@cache
+def versions() -> dict[str, str]:
+    """The versions of everything that can change results."""
+    found = {PACKAGE: _version(PACKAGE), "git": _git(), "python": platform.python_version(), "compiler": _compiler()}
+    return found | {tool: _version(tool) for tool in _TOOLS}
+
+
+def _version(package: str) -> str:
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return ""
+
+
+def _git() -> str:
+    """The git commit of this code with "-dirty" if it was changed, empty outside a checkout."""
+    root = Path(__file__).resolve().parents[2]
+    if not (root / ".git").exists():
+        return ""
+    command = ["git", "-C", str(root), "describe", "--always", "--dirty", "--abbrev=12"]
+    try:
+        return subprocess.run(command, capture_output=True, text=True, check=True, timeout=5).stdout.strip()
+    except (OSError, subprocess.SubprocessError):
+        return ""
+
+
+def _compiler() -> str:
+    """The first line of the compiler's own version; empty where there is none, as a warm cache needs none."""
+    try:
+        lines = compiler.identity(compiler.host_platform()).splitlines()
+    except BuildError:
+        return ""
+    own = len(compiler.command(compiler.host_platform())) + len(compiler.flags(compiler.host_platform()))
+    return lines[own] if len(lines) > own else ""

@@ -1,0 +1,39 @@
+"""The provenance of a run that is prepared."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from hashlib import sha256
+from pathlib import Path
+
+from cosim.model.assembly import Node
+from cosim.model.face import Value
+from cosim.results.provenance import Model, Provenance, versions
+from cosim.run.request import Request
+from cosim.scenario.settings import Settings
+
+
+def provenance(
+    request: Request, settings: Settings, nodes: Mapping[str, Node], files: Mapping[str, Path]
+) -> Provenance:
+    """What the run is made of; `files` are the FMUs by the name of the model."""
+    tools = {node.model: node.face.tool for node in nodes.values()}
+    return Provenance(
+        settings=dict(settings),
+        set=[f"{signal}={value}" for signal, value in request.assignments],
+        at=[f"{time:g}:{signal}={value}" for time, signal, value in request.events],
+        values=dict(_changed(nodes)),
+        scheme=request.scheme,
+        step=request.step,
+        models={
+            name: Model(file.name, sha256(file.read_bytes()).hexdigest(), tools[name]) for name, file in files.items()
+        },
+        versions=versions(),
+    )
+
+
+def _changed(nodes: Mapping[str, Node]) -> Iterator[tuple[str, Value]]:
+    for node in nodes.values():
+        for variable, value in node.values.items():
+            if value != node.face.ports[variable].start:
+                yield f"{node.name}.{variable}", value
