@@ -22,6 +22,8 @@ def show(summary: Summary, folder: Path) -> None:
     for name, metric in summary.metrics.items():
         table.add_row(name, *_readable(metric))
     console.print(f"{summary.scenario}, seed {summary.seed}: {summary.status}")
+    if summary.reason:
+        console.print(summary.reason, markup=False)
     if table.row_count:
         console.print(table)
     speed = f"{summary.wall_time:.2f} s for {summary.stop_time:g} s, {summary.real_time_factor:.1f} x real time"

@@ -10,7 +10,7 @@ from time import perf_counter_ns
 import numpy as np
 
 from cosim.engine.order import Action
-from cosim.engine.slave import WARNING, Calls, Slave, SlaveError, do_nothing
+from cosim.engine.slave import DISCARD, WARNING, Calls, Slave, SlaveError, do_nothing
 from cosim.model.assembly import Node
 from cosim.model.signals import Vector
 
@@ -32,7 +32,8 @@ class Bound:
         """Raise SlaveError with the slave's own words for an fmi2Status above warning."""
         if status > WARNING:
             self.slave.failed(status)
-            raise SlaveError(self.node.name, status, self.slave.message())
+            ended = status == DISCARD and self.slave.ended()
+            raise SlaveError(self.node.name, status, self.slave.message(), ended=ended)
 
     def exchange(self) -> None:
         """Gather, set, step, get; the three calls are timed."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Mapping, Sequence
-from ctypes import c_double, c_int, c_size_t, c_uint, c_void_p
+from ctypes import byref, c_double, c_int, c_size_t, c_uint, c_void_p
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -13,13 +13,16 @@ from typing import Any
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave
 
+from cosim.engine.getting import first_failure, texts, whole_numbers
 from cosim.engine.messages import Mailbox, callbacks
-from cosim.engine.slave import WARNING, Call, Calls, Memory, SlaveError, do_nothing
+from cosim.engine.slave import OK, WARNING, Call, Calls, Memory, SlaveError, do_nothing
 from cosim.errors import CosimError
 from cosim.model.face import Face, Value
 from cosim.model.signals import Vector
 
 _ERROR, _FATAL = 3, 4
+_TERMINATED = 3  # of fmi2StatusKind
+_OTHERS = {"fmi2GetInteger": ("Integer", "Enumeration"), "fmi2GetBoolean": ("Boolean",)}
 
 
 @dataclass
@@ -69,12 +72,19 @@ class FmuSlave:
         return Calls(
             self._transfer(raw("fmi2SetReal"), memory.inputs, memory.u),
             partial(raw("fmi2DoStep"), _pointer(component), memory.time, memory.step, c_int(1)),
-            self._transfer(raw("fmi2GetReal"), memory.outputs, memory.y),
+            self._get(memory),
         )
 
     def failed(self, status: int) -> None:
         self._library.fatal |= status >= _FATAL
         self._steps &= status < _ERROR
+
+    def ended(self) -> bool:
+        if self._raw:  # PythonFMU's library answers yes after every discard
+            return False
+        over = c_int(0)
+        ask = self._fmu.dll["fmi2GetBooleanStatus"]
+        return ask(_pointer(self._fmu.component), c_int(_TERMINATED), byref(over)) == OK and bool(over.value)
 
     def message(self) -> str:
         text = self._mailbox.text
@@ -91,12 +101,31 @@ class FmuSlave:
             if not self._library.fatal:
                 self._fmu.freeInstance()
 
+    def _get(self, memory: Memory) -> Call:
+        """One call for the Real outputs, and one for each other type there is."""
+        ports, raw = self.face.ports, self._fmu.dll.__getitem__
+        real = [name for name in memory.outputs if ports[name].type == "Real"]
+        getters = [self._transfer(raw("fmi2GetReal"), real, memory.y[: len(real)])]
+        for function, types in _OTHERS.items():
+            places = [i for i, name in enumerate(memory.outputs) if ports[name].type in types]
+            if places:
+                names = [memory.outputs[i] for i in places]
+                getters.append(
+                    whole_numbers(raw(function), self._arguments(names), memory.y[places[0] : places[-1] + 1])
+                )
+        if memory.z is not None and memory.texts:
+            getters.append(texts(raw("fmi2GetString"), self._arguments(memory.texts), memory.z))
+        return getters[0] if len(getters) == 1 else partial(first_failure, getters)
+
+    def _arguments(self, names: Sequence[str]) -> tuple[Any, Any, c_size_t]:
+        references = (c_uint * len(names))(*(self.face.ports[name].reference for name in names))
+        return _pointer(self._fmu.component), references, c_size_t(len(names))
+
     def _transfer(self, function: Any, names: Sequence[str], values: Vector) -> Call:
         if not names:
             return do_nothing
-        references = (c_uint * len(names))(*(self.face.ports[name].reference for name in names))
         memory = (c_double * len(names)).from_buffer(values.data)
-        return partial(function, _pointer(self._fmu.component), references, c_size_t(len(names)), memory)
+        return partial(function, *self._arguments(names), memory)
 
     def _call(self, function: str, *args: object, **options: object) -> None:
         try:

@@ -48,7 +48,10 @@ class Outcome:
 
 
 class Master:
-    """Runs the nodes on `slaves` (same names). `signals` describes `vector[1:]`; `vector[0]` is the time [s]."""
+    """Runs the nodes on `slaves` (same names). `signals` describes `vector[1:]`; `vector[0]` is the time [s].
+
+    `written` describes `texts`, the values of String outputs.
+    """
 
     def __init__(self, nodes: Mapping[str, Node], schedule: Schedule, slaves: Mapping[str, Slave]) -> None:
         self.schedule = schedule
@@ -59,6 +62,8 @@ class Master:
         self.vector[1 + len(outputs) :] = [changes.start(nodes[signal.instance], signal.variable) for signal in changed]
         self._time = c_double.from_buffer(self.vector.data)
         self._index = {signal.name: i for i, signal in enumerate(self.signals, start=1)}
+        self.written = [_signal(node, name) for node in nodes.values() for name in node.texts]
+        self.texts = [""] * len(self.written)
         self._nodes, self._slaves = nodes, slaves
         self._bound: dict[str, Bound] = {}
 
@@ -82,7 +87,8 @@ class Master:
     ) -> Outcome:
         """Advance from 0 to `stop` [ns]; `record` is called per active tick and once at the end.
 
-        A slave that fails, or a recorder that cannot write (OSError), ends the run with status "failed".
+        A slave that fails, or a recorder that cannot write (OSError), ends the run with status "failed"; one that wants
+        the simulation to end, with "ok".
         """
         start = perf_counter_ns()
         status, reason, time = "ok", "", 0
@@ -95,7 +101,7 @@ class Master:
                 self._finish(stop, record)
         except SlaveError as failure:
             time = round(self._time.value * SECOND)
-            status, reason = "failed", failure.sentence(f"at {to_seconds(time):g} s")
+            status, reason = _judged(failure, f"at {to_seconds(time):g} s")
         except OSError as error:
             time = round(self._time.value * SECOND)
             status, reason = "failed", f"the results cannot be written at {to_seconds(time):g} s: {because(error)}"
@@ -170,9 +176,14 @@ class Master:
 
     def _order(self, due: set[str], record: Action) -> Order:
         parallel = [self._bound[name] for name in self.schedule.parallel if name in due]
-        sequential = [self._bound[name].exchange for name in self.schedule.sequential if name in due]
+        sequential = [action for name in self.schedule.sequential if name in due for action in self._now(name)]
         published = [bound.publish for bound in parallel]
         return Order([*published, *sequential], record, [bound.exchange for bound in parallel])
+
+    def _now(self, name: str) -> list[Action]:
+        """What a sequential slave does at a tick."""
+        bound = self._bound[name]
+        return [bound.exchange] if bound.publish is do_nothing else [bound.exchange, bound.publish]
 
     def _finish(self, stop: int, record: Action) -> None:
         self._time.value = to_seconds(stop)
@@ -195,14 +206,40 @@ class Master:
         first = self._index[f"{node.name}.{outputs[0]}"] if outputs else 0
         u, step = np.zeros(len(node.incoming)), c_double(to_seconds(node.period))
         shown = self.vector[first : first + len(outputs)]
-        y = shown
-        publish: Action = do_nothing
+        z = [""] * len(node.texts)
+        y, publish = shown, self._writing(node, z)
         if node.name in self.schedule.parallel:  # the outputs belong to the end of the step
             y = shown.copy()
-            publish = partial(np.copyto, shown, y)
-        calls = slave.bind(Memory(self._time, step, tuple(node.incoming), u, outputs, y))
+            publish = _both(partial(np.copyto, shown, y), publish)
+        calls = slave.bind(Memory(self._time, step, tuple(node.incoming), u, outputs, y, node.texts, z))
         return Bound(node, slave, calls, gather(node, self.vector, self._index, u), publish, step)
+
+    def _writing(self, node: Node, own: list[str]) -> Action:
+        """Shows the texts of a node to the recorder."""
+        if not own:
+            return do_nothing
+        first = self.written.index(_signal(node, node.texts[0]))
+        return partial(self.texts.__setitem__, slice(first, first + len(own)), own)
+
+
+def _judged(failure: SlaveError, when: str) -> tuple[str, str]:
+    """Status and reason of a run that a slave ended."""
+    if failure.ended:
+        return "ok", f"{failure.instance} ended the simulation {when}"
+    return "failed", failure.sentence(when)
+
+
+def _both(one: Action, other: Action) -> Action:
+    if other is do_nothing:
+        return one
+
+    def both() -> None:
+        one()
+        other()
+
+    return both
 
 
 def _signal(node: Node, name: str) -> Signal:
-    return Signal(node.name, name, node.face.ports[name].unit)
+    port = node.face.ports[name]
+    return Signal(node.name, name, port.unit, port.type)

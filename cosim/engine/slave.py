@@ -11,7 +11,7 @@ from cosim.model.signals import Vector
 
 Call = Callable[[], int]
 
-OK, WARNING = 0, 1
+OK, WARNING, DISCARD = 0, 1, 2
 STATUS = {2: "discard", 3: "error", 4: "fatal error", 5: "pending"}
 
 
@@ -29,7 +29,10 @@ class Calls(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """What the calls work on: `u` holds the values of `inputs`, `y` receives `outputs`, `step` advances `time` [s]."""
+    """What the calls work on: `u` holds the values of `inputs`, `y` receives `outputs`, `step` advances `time` [s].
+
+    `z` receives the String outputs `texts`.
+    """
 
     time: c_double
     step: c_double
@@ -37,13 +40,19 @@ class Memory(NamedTuple):
     u: Vector
     outputs: Sequence[str]
     y: Vector
+    texts: Sequence[str] = ()
+    z: list[str] | None = None
 
 
 class SlaveError(Exception):
-    """A slave refused or failed: `instance`, the fmi2 `status`, and the slave's own last sentence if it gave one."""
+    """A slave refused or failed: `instance`, the fmi2 `status`, and the slave's own last sentence if it gave one.
 
-    def __init__(self, instance: str, status: int, message: str) -> None:
+    `ended`: it discarded a step because its simulation is over, which is no failure.
+    """
+
+    def __init__(self, instance: str, status: int, message: str, *, ended: bool = False) -> None:
         super().__init__(message)
+        self.ended = ended
         self.instance = instance
         self.status = status
         self.message = message
@@ -73,6 +82,9 @@ class Slave(Protocol):
 
     def failed(self, status: int) -> None:
         """Be told that a call of the hot loop came back with `status`: what may still be called depends on it."""
+
+    def ended(self) -> bool:
+        """Whether the step just discarded was discarded because the slave wants the simulation to end."""
 
     def message(self) -> str:
         """The slave's last logged sentence about something wrong, or an empty string."""

@@ -52,7 +52,8 @@ class Change:
 class Node:
     """One instance of `model`, checked. `period` [ns]; `values` are set before initialisation; `incoming` by input.
 
-    `changes` of unconnected inputs during the run, in order of time. `outputs` are the Real outputs that are fetched.
+    `changes` of unconnected inputs during the run, in order of time. `outputs` are those that are fetched, all numbers
+    as doubles; `texts` are the Strings.
     """
 
     name: str
@@ -64,9 +65,10 @@ class Node:
     incoming: dict[str, Connection] = field(default_factory=dict)
     changes: list[Change] = field(default_factory=list)
     outputs: tuple[str, ...] = ()
+    texts: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        self.outputs = self.face.outputs
+        self.outputs, self.texts = self.face.numbers, self.face.texts
 
 
 def assemble(configuration: Configuration, seed: int, step: float | None = None) -> dict[str, Node]:
@@ -96,11 +98,9 @@ def leave_out(nodes: Mapping[str, Node], patterns: Sequence[str]) -> None:
     """Outputs that nothing reads are not fetched if their signal fits a pattern such as **.tyre_force_x.fl."""
     read = {(connection.source, connection.output) for node in nodes.values() for connection in node.incoming.values()}
     for node in nodes.values():
-        node.outputs = tuple(
-            name
-            for name in node.outputs
-            if (node.name, name) in read or not matches_any(f"{node.name}.{name}", patterns)
-        )
+        kept = {name for name in (*node.outputs, *node.texts) if not matches_any(f"{node.name}.{name}", patterns)}
+        node.outputs = tuple(name for name in node.outputs if name in kept or (node.name, name) in read)
+        node.texts = tuple(name for name in node.texts if name in kept)
 
 
 def derived_seed(seed: int, instance: str) -> int:

@@ -69,6 +69,19 @@ class Face:
         return tuple(p.name for p in self.ports.values() if p.causality == "output" and p.type == "Real")
 
     @cached_property
+    def numbers(self) -> tuple[str, ...]:
+        """All outputs but Strings, type by type, Real ones first."""
+        types = ("Real", "Integer", "Enumeration", "Boolean")
+        return tuple(
+            p.name for type_ in types for p in self.ports.values() if (p.causality, p.type) == ("output", type_)
+        )
+
+    @cached_property
+    def texts(self) -> tuple[str, ...]:
+        """String outputs, in the model's order."""
+        return tuple(p.name for p in self.ports.values() if (p.causality, p.type) == ("output", "String"))
+
+    @cached_property
     def kind(self) -> Kind:
         """Continuous if any Real output varies continuously."""
         varied = any(self.ports[name].variability == "continuous" for name in self.outputs)

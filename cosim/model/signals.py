@@ -13,11 +13,15 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Signal:
-    """One element of the signal vector: an output of an instance, or an input of it that events change."""
+    """One element of the signal vector: an output of an instance, or an input of it that events change.
+
+    In the vector every number is a double, whatever its `type`; Strings are kept beside it.
+    """
 
     instance: str
     variable: str
     unit: str | None
+    type: str = "Real"
 
     @property
     def name(self) -> str:

@@ -17,6 +17,7 @@ import pyarrow as pa
 from cosim.model.clock import SECOND, to_seconds
 from cosim.model.patterns import matches_any
 from cosim.model.signals import Signal, Vector
+from cosim.results.columns import TYPES, Batch, Texts
 from cosim.results.storage import PARQUET, STREAM, write_parquet
 
 _ROWS, CHUNK_VALUES = 512, 1 << 17  # in a chunk, at most
@@ -37,7 +38,8 @@ class Recorder:
     """Call it once per tick. `vector` is [time, signals...]; `chosen` are positions in `signals`; `folder` exists.
 
     With `every` [ns] only the first call at or after each multiple of it makes a row, and the one at `stop` [ns].
-    Rows are gathered in a chunk and appended to the stream whenever it is full. `about` becomes the file's metadata.
+    Rows are gathered in a chunk and appended to the stream whenever it is full. `about` becomes the file's metadata,
+    `texts` are recorded beside the vector.
     """
 
     def __init__(
@@ -49,6 +51,7 @@ class Recorder:
         every: int = 0,
         stop: int | None = None,
         about: Mapping[bytes, bytes] | None = None,
+        texts: Texts | None = None,
     ) -> None:
         self._folder = folder
         self._every, self._stop = every, stop
@@ -57,8 +60,11 @@ class Recorder:
         self._chunk = np.zeros((min(_ROWS, 1 + CHUNK_VALUES // len(self._index)), len(self._index)))
         self._rows = list(self._chunk)
         self._columns = np.zeros(self._chunk.T.shape)
-        schema = _schema([signals[i] for i in chosen], about)
-        self._batch = pa.record_batch([pa.array(column) for column in self._columns], schema=schema)
+        kept = [*(signals[i] for i in chosen), *(texts.signals if texts else ())]
+        schema = _schema(kept, about)
+        self._batch = Batch(self._columns, schema)
+        self._texts = texts or Texts((), ())
+        self._said: list[list[str]] = []
         self._take = vector.take
         self._filled = self._written = 0
         self._flushed = monotonic()
@@ -71,6 +77,8 @@ class Recorder:
             return
         self._take(self._index, None, self._rows[self._filled], "clip")
         self._filled += 1
+        if self._texts.signals:
+            self._said.append(list(self._texts.values))
         if self._every:
             self._next = self._due()
         if self._filled == len(self._rows):
@@ -90,13 +98,14 @@ class Recorder:
         whole = self._sink.tell()
         self._columns[:, : self._filled] = self._chunk[: self._filled].T  # the batch shows this memory
         try:
-            self._writer.write_batch(self._batch.slice(0, self._filled))
+            self._writer.write_batch(self._batch.first(self._filled, self._said))
         except OSError:
             self._sink.close()
             os.truncate(self._folder / STREAM, whole)
             raise
         self._written += self._filled
         self._filled = 0
+        self._said.clear()
         self._flushed = monotonic()
 
     def keep(self) -> None:
@@ -122,8 +131,8 @@ class Recorder:
 
 
 def _schema(signals: Sequence[Signal], about: Mapping[bytes, bytes] | None) -> Any:
-    columns = [("time", "s"), *((signal.name, signal.unit) for signal in signals)]
+    columns = [("time", "s", "Real"), *((signal.name, signal.unit, signal.type) for signal in signals)]
     return pa.schema(
-        [pa.field(name, pa.float64(), metadata={"unit": unit} if unit else None) for name, unit in columns],
+        [pa.field(name, TYPES[type_], metadata={"unit": unit} if unit else None) for name, unit, type_ in columns],
         metadata=dict(about) if about else None,
     )

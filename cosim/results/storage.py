@@ -11,6 +11,8 @@ import numpy as np
 import pyarrow as pa
 from pyarrow import parquet
 
+from cosim.results.columns import is_plain
+
 STREAM = "results.arrows"
 PARQUET = "results.parquet"
 GROUP_VALUES = 1 << 19
@@ -41,7 +43,8 @@ def write_parquet(stream: Path, path: Path, rows: int) -> None:
         with stream.open("rb") as source:
             reader = pa.ipc.open_stream(source)
             with parquet.ParquetWriter(partial, reader.schema, compression="zstd", use_dictionary=False) as writer:
-                for group in _groups(reader, rows):
+                groups = _groups if is_plain(reader.schema) else _mixed_groups
+                for group in groups(reader, rows):
                     writer.write_table(group)
     except OSError:
         partial.unlink(missing_ok=True)
@@ -67,6 +70,19 @@ def _groups(reader: Any, rows: int) -> Iterator[Any]:
                 filled = 0
     if filled:
         yield pa.Table.from_arrays([pa.array(column) for column in group[:, :filled]], schema=reader.schema)
+
+
+def _mixed_groups(reader: Any, rows: int) -> Iterator[Any]:
+    """As `_groups`, of columns of several types, through Arrow's own concatenation."""
+    size, kept, filled = group_rows(rows, len(reader.schema)), [], 0
+    for batch in _batches(reader):
+        kept.append(batch)
+        filled += len(batch)
+        if filled >= size:
+            yield pa.Table.from_batches(kept, reader.schema).combine_chunks()
+            kept, filled = [], 0
+    if filled:
+        yield pa.Table.from_batches(kept, reader.schema).combine_chunks()
 
 
 def group_rows(rows: int, columns: int) -> int:

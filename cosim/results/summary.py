@@ -35,7 +35,7 @@ class Summary:
 
     scenario          name of the scenario
     status            "ok", "failed" or "interrupted"
-    reason            one sentence, empty when the status is "ok"
+    reason            one sentence; empty when the status is "ok", unless an FMU ended the simulation itself
     stop_time         simulated time reached [s]
     wall_time         real time it took [s], without loading and initialising
     real_time_factor  stop_time / wall_time

@@ -11,6 +11,9 @@ from cosim.engine.schedule import Scheme
 from cosim.model.clock import nanoseconds
 from cosim.scenario.definition import Scenario
 
+FAULT = "**.fault"
+"""Boolean outputs of the catalogue's FMUs that are false as long as a run goes on; fetching them would take time."""
+
 
 @dataclass(frozen=True, slots=True)
 class Request:
@@ -52,4 +55,4 @@ class Request:
     @property
     def unrecorded(self) -> Sequence[str]:
         """Patterns of the signals that are left out of the results."""
-        return () if self.record_all else self.scenario.unrecorded
+        return () if self.record_all else (FAULT, *self.scenario.unrecorded)

@@ -14,6 +14,7 @@ from cosim.engine.master import Master, Outcome
 from cosim.engine.slave import Slave, SlaveError
 from cosim.errors import CosimError
 from cosim.model.clock import SECOND, to_seconds
+from cosim.results.columns import Texts
 from cosim.results.provenance import KEY
 from cosim.results.reading import Facts, Results, load_results
 from cosim.results.recorder import Recorder, recorded
@@ -92,7 +93,8 @@ def _recorder(made: RunPlan, master: Master) -> Recorder:
         for name in WRITTEN:
             (folder / name).unlink(missing_ok=True)
         kept = recorded(master.signals, request.unrecorded)
-        return Recorder(folder, master.vector, master.signals, kept, request.interval, request.stop, about)
+        texts = Texts(master.written, master.texts)
+        return Recorder(folder, master.vector, master.signals, kept, request.interval, request.stop, about, texts)
     except OSError as error:
         raise CosimError(f"cannot write into {error.filename or folder}: {because(error)}") from None
 

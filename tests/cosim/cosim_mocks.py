@@ -103,6 +103,9 @@ class Mock:
     def failed(self, status: int) -> None:
         self.log.append(("failed", status))
 
+    def ended(self) -> bool:
+        return False
+
     def message(self) -> str:
         return self.reason
 

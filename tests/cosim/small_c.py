@@ -26,15 +26,17 @@ _CALLS = {
     "fmi2SetString": "const unsigned *vr, size_t n, const char *const *v",
     "fmi2GetString": "const unsigned *vr, size_t n, const char **v",
     "fmi2DoStep": "double t, double h, int no_set",
+    "fmi2GetBooleanStatus": "int k, int *v",
 }
 """The calls with an instance, and their arguments after it."""
 _REFUSED = [
-    *(f"fmi2Get{kind}Status" for kind in ("", "Real", "Integer", "Boolean", "String")),
+    *(f"fmi2Get{kind}Status" for kind in ("", "Real", "Integer", "String")),
     *(f"fmi2{what}FMUstate" for what in ("Get", "Set", "Free", "Serialize", "DeSerialize")),
     *("fmi2SerializedFMUstateSize", "fmi2CancelStep", "fmi2GetDirectionalDerivative"),
     *("fmi2SetRealInputDerivatives", "fmi2GetRealOutputDerivatives"),
 ]
 _BODIES = {
+    "fmi2GetBooleanStatus": "return 2;",
     "fmi2SetReal": "for (size_t i = 0; i < n; ++i) m->r[vr[i]] = v[i];",
     "fmi2GetReal": "for (size_t i = 0; i < n; ++i) v[i] = m->r[vr[i]];",
     "fmi2SetInteger": "for (size_t i = 0; i < n; ++i) m->i[vr[i]] = v[i];",

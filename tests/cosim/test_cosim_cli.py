@@ -153,7 +153,7 @@ def test_signals_left_out_are_recorded_when_asked_for(cosim, tanks, tank, offer,
     names = [load_results(folder, Facts({})).names for folder in (whole, part)]
     assert names == [["first.level", "second.level"], []]
     left_out = [json.loads((folder / "summary.json").read_text())["unrecorded"] for folder in (whole, part)]
-    assert left_out == [[], ["*.lev?l"]]
+    assert left_out == [[], ["**.fault", "*.lev?l"]]
 
 
 def test_json_is_all_that_goes_to_stdout(cosim, tmp_path):

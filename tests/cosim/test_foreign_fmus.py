@@ -157,3 +157,38 @@ def test_sentences_say_what_failed(tmp_path):
     back = renamed(file, tmp_path / "back.fmu", "/", "\\")
     with pytest.raises(CosimError, match=r"with a backslash; .* pack it again"):
         alone(back, tmp_path / "out")
+
+
+def test_an_fmu_may_end_the_simulation(tmp_path):
+    """A discarded step with the status fmi2Terminated is a regular end (FMI 2.0.4, 4.2.3)."""
+    calls = {"fmi2DoStep": "if (++m->steps == 4) return 2; m->r[0] = t + h;", "fmi2GetBooleanStatus": "*v = k == 3;"}
+    finished = alone(foreign(tmp_path / "f.fmu", [Y], calls), tmp_path / "out", 2.0)
+    assert (finished.summary.status, finished.summary.reason) == ("ok", "a ended the simulation at 0.3 s")
+    assert finished.results.time.tolist() == [0.0, 0.1, 0.2, 0.3]
+    assert finished.results["a.y"] == pytest.approx([0.0, 0.1, 0.2, 0.3])
+
+
+@pytest.mark.parametrize("kind", ["continuous", "sampled"])
+def test_outputs_of_every_type_are_recorded(tmp_path, kind):
+    """In the type they have; of a plant at the end of its step, of a controller at its beginning."""
+    items = "".join(f'<Item name="{name}" value="{k}"/>' for k, name in enumerate(("neutral", "first", "second")))
+    gears = f'<SimpleType name="gear"><Enumeration>{items}</Enumeration></SimpleType>'
+    discrete = {"variability": "discrete"}
+    ports = [
+        variable("word", 0, "output", "String", **discrete),
+        variable("on", 2, "output", "Boolean", **discrete),
+        variable("gear", 1, "output", "Enumeration", declaredType="gear", **discrete),
+        Y,
+        variable("n", 0, "output", "Integer", **discrete),
+    ]
+    step = "m->r[0] += h; m->i[0] -= 2; m->i[1] = 1 + m->i[0] % 4 / -2; m->i[2] = !m->i[2];"
+    word = 'static char text[2][9]; static int k; k = !k; snprintf(text[k], 9, "n%d", m->i[0]); v[0] = text[k];'
+    file = foreign(tmp_path / "f.fmu", ports, {"fmi2DoStep": step, "fmi2GetString": word}, types=gears)
+    results = alone(file, tmp_path / "out", 0.3, kind=kind).results
+    steps = {"continuous": [0, 1, 2, 3], "sampled": [1, 2, 3, 3]}[kind]
+    assert results["a.n"].tolist() == [-2 * k for k in steps]
+    assert results["a.word"].tolist() == [f"n{-2 * k}" for k in steps]
+    assert results["a.on"].tolist() == [k % 2 == 1 for k in steps]
+    assert results["a.gear"].tolist() == [0 if k == 0 else 1 + k % 2 for k in steps]
+    assert results["a.y"] == pytest.approx([0.1 * k for k in steps])
+    assert [results[f"a.{name}"].dtype for name in ("n", "gear", "on")] == ["int32", "int32", "bool"]
