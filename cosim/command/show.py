@@ -3,31 +3,79 @@
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Mapping
 from pathlib import Path
 
+from rich.console import Console
 from rich.table import Table
 
 from cosim.results.summary import Summary
 from cosim.scenario.metric import Metric
 from fmukit.console import console_of
 
+_OF_ONE = re.compile(r"([a-z]+\d+)\.(.+)")
+"""Metrics of one of many vehicles, such as car3.formation_error_rms."""
+_LEAST = 7
+"""Characters that a column needs for its values."""
+
 
 def show(summary: Summary, folder: Path) -> None:
     """The metrics, what the run cost, and where the results are."""
     console = console_of()
+    console.print(f"{summary.scenario}, seed {summary.seed}: {summary.status}")
+    if summary.reason:
+        console.print(summary.reason, markup=False)
+    of_all = {name: metric for name, metric in summary.metrics.items() if not _OF_ONE.fullmatch(name)}
+    if of_all:
+        console.print(_one_per_row(of_all))
+    _show_vehicles(console, summary.metrics)
+    speed = f"{summary.wall_time:.2f} s for {summary.stop_time:g} s, {summary.real_time_factor:.1f} x real time"
+    console.print(f"ran in {speed}; results in {folder}", soft_wrap=True, markup=False)
+
+
+def _one_per_row(metrics: Mapping[str, Metric]) -> Table:
     table = Table(header_style="bold")
     table.add_column("metric")
     table.add_column("value", justify="right")
     table.add_column("unit")
-    for name, metric in summary.metrics.items():
+    for name, metric in metrics.items():
         table.add_row(name, *_readable(metric))
-    console.print(f"{summary.scenario}, seed {summary.seed}: {summary.status}")
-    if summary.reason:
-        console.print(summary.reason, markup=False)
-    if table.row_count:
-        console.print(table)
-    speed = f"{summary.wall_time:.2f} s for {summary.stop_time:g} s, {summary.real_time_factor:.1f} x real time"
-    console.print(f"ran in {speed}; results in {folder}", soft_wrap=True, markup=False)
+    return table
+
+
+def _show_vehicles(console: Console, metrics: Mapping[str, Metric]) -> None:
+    """One vehicle per row, as many of its metrics as there is room for."""
+    vehicles: dict[str, dict[str, Metric]] = {}
+    for name, metric in metrics.items():
+        found = _OF_ONE.fullmatch(name)
+        if found:
+            vehicles.setdefault(found[1], {})[found[2]] = metric
+    columns = list(dict.fromkeys(name for own in vehicles.values() for name in own))
+    shown = _fitting(columns, console.width - max(map(len, vehicles), default=0) - 4)
+    if not shown:
+        return
+    table = Table("", header_style="bold")
+    for name in shown:
+        unit = next(_readable(own[name])[1] for own in vehicles.values() if name in own)
+        table.add_column("\n".join([*name.split("_"), f"[{unit}]" if unit else ""]), justify="right")
+    for vehicle, own in vehicles.items():
+        table.add_row(vehicle, *(_readable(own[name])[0] if name in own else "" for name in shown))
+    console.print(table, markup=False)
+    left = len(columns) - len(shown)
+    if left:
+        console.print(f"{left} more of each vehicle in summary.json")
+
+
+def _fitting(names: list[str], width: int) -> list[str]:
+    """The first names whose columns fit; a name is broken at its underscores."""
+    fitting = []
+    for name in names:
+        width -= max(_LEAST, *map(len, name.split("_"))) + 3
+        if width < 0:
+            break
+        fitting.append(name)
+    return fitting
 
 
 def _readable(metric: Metric) -> tuple[str, str]:

@@ -20,6 +20,7 @@ from cosim.results.reading import Facts, Results, load_results
 from cosim.results.recorder import Recorder, recorded
 from cosim.results.storage import PARQUET, STREAM
 from cosim.results.summary import SUMMARY, Summary, summarise, write_summary
+from cosim.run.claim import claimed
 from cosim.run.interrupts import interrupts
 from cosim.run.prepare import RunPlan, plan
 from cosim.run.request import Request
@@ -61,8 +62,9 @@ def run(
     with Loader(request.find) as loader:
         made = plan(request, loader)
         explain(made)
-        outcome = execute(made, lambda: loader.slaves(made.nodes), progress)
-    return _concluded(made, outcome)
+        with claimed(request.folder):
+            outcome = execute(made, lambda: loader.slaves(made.nodes), progress)
+            return _concluded(made, outcome)
 
 
 def execute(made: RunPlan, load: Load, progress: Progress = lambda _time: None) -> Outcome:

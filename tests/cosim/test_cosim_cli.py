@@ -119,6 +119,20 @@ def test_a_run_says_what_it_was_made_of(cosim, tank, tmp_path):
     assert json.loads(parquet.read_schema(tmp_path / "a" / "results.parquet").metadata[b"cosim"]) == made
 
 
+def test_many_vehicles_are_a_row_each(cosim, tanks, tank, offer, tmp_path):
+    def many(_results, _prepared):
+        figures = {"error_rms": Metric(0.5, "m"), "tilt": Metric(math.pi / 2, "rad")}
+        each = {f"car{k}.{name}": metric for k in (2, 3) for name, metric in figures.items()}
+        return each | {f"car2.figure{i}_with_a_long_name": Metric(float(i)) for i in range(30)} | {"worst": Metric(1.0)}
+
+    offer(tanks(metrics=many), {"Tank": tank})
+    _, out, _ = cosim("run", "tanks", "-o", str(tmp_path), "--no-report")
+    rows = [line.replace("│", " ").split() for line in out.splitlines()]
+    assert [row for row in rows if row[:1] == ["car3"]] == [["car3", "0.5000", "90.000"]]
+    assert "more of each vehicle in summary.json" in out
+    assert len(json.loads((tmp_path / "summary.json").read_text())["metrics"]) == 35
+
+
 def test_rows_only_every_so_often(cosim, tmp_path):
     code, _, _ = cosim("run", "tanks", "-o", str(tmp_path), "--record-every", "0.3", "--quiet")
     assert code == 0

@@ -2,6 +2,8 @@
 
 import os
 import signal
+import subprocess
+import sys
 import tempfile
 from ctypes import c_double
 
@@ -12,9 +14,11 @@ from cosim_mocks import Mock, face, plan_of, scenario_of
 from cosim.command.explain import explanation
 from cosim.engine.fmu import FmuSlave, Library
 from cosim.engine.slave import Memory
+from cosim.errors import CosimError
 from cosim.model.face import read_face
 from cosim.model.system import System
 from cosim.results.reading import Facts, load_results
+from cosim.run.claim import claimed
 from cosim.run.request import Request
 from cosim.run.running import execute, run
 from fmukit.unpacking import unpack
@@ -140,3 +144,21 @@ def test_fmus_are_unpacked_where_they_can_be_read(tank, tmp_path, monkeypatch):
     system.add("tank", str(tank), period=0.1)
     scenario = scenario_of("odd", lambda _settings, _prepared: system, stop_time=0.5)
     assert run(Request(scenario, tmp_path / "out")).summary.status == "ok"
+
+
+def test_one_run_at_a_time_writes_into_a_folder(tmp_path):
+    """The second is refused and touches nothing; when the first ends, however it does, the folder is free."""
+    program = f"from pathlib import Path; from cosim.run.claim import claimed\nwith claimed(Path({str(tmp_path)!r})):"
+    wait = " print(1, flush=True); input()"
+    other = subprocess.Popen([sys.executable, "-c", program + wait], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    assert other.stdout is not None
+    other.stdout.readline()
+    scenario = scenario_of("second", lambda _settings, _prepared: System(), stop_time=0.5)
+    (tmp_path / "results.parquet").write_bytes(b"of the first")
+    with pytest.raises(CosimError, match=r"^another run is writing into .*; give this one another folder$"):
+        run(Request(scenario, tmp_path))
+    assert (tmp_path / "results.parquet").read_bytes() == b"of the first"
+    other.kill()
+    other.wait()
+    with claimed(tmp_path):
+        pass
