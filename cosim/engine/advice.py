@@ -1,4 +1,4 @@
-"""What FMUs warn of at initialisation, passed on to the user: one line per warning, whoever shares it."""
+"""What FMUs warn of, passed on to the user: one line per warning, whoever shares it."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ _LOG = logging.getLogger("cosim")
 _NAMED = 3
 
 
-def pass_on(slaves: Mapping[str, Slave]) -> None:
-    """Log the sentences of the slaves, each once with the names of those that gave it."""
-    for text, names in _sentences(slaves).items():
-        _LOG.warning("%s: %s", _together(names), text)
+def pass_on(slaves: Mapping[str, Slave], before: Mapping[str, str] | None = None) -> dict[str, str]:
+    """Log the last sentence of each slave but those said `before`, once with the names of those that gave it.
 
-
-def _sentences(slaves: Mapping[str, Slave]) -> dict[str, list[str]]:
+    Returns the sentences by slave.
+    """
+    last = {name: slave.message() for name, slave in slaves.items()}
     said: dict[str, list[str]] = {}
-    for name, slave in slaves.items():
-        text = slave.message()
-        if text:
+    for name, text in last.items():
+        if text and text != (before or {}).get(name):
             said.setdefault(text, []).append(name)
-    return said
+    for text, names in said.items():
+        _LOG.warning("%s: %s", _together(names), text)
+    return last
 
 
 def _together(names: Sequence[str]) -> str:

@@ -75,8 +75,10 @@ def execute(made: RunPlan, load: Load, progress: Progress = lambda _time: None) 
         recorder = _recorder(made, master)
         try:
             master.initialise()
-            pass_on(slaves)
+            said = pass_on(slaves)
             outcome = master.run(made.request.stop, recorder, partial(_kept, recorder, progress), interrupted)
+            if outcome.status == "ok":
+                pass_on(slaves, said)
         except SlaveError as failure:
             outcome = Outcome("failed", failure.sentence("at initialisation"), 0, 0, {}, {})
         except BaseException:

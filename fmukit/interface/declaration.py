@@ -34,7 +34,7 @@ class CsvTable:
 
 @dataclass(frozen=True, slots=True)
 class Advice:
-    """A sentence the FMU logs as a warning when `output` is above 0.5 after initialisation, which then goes on.
+    """A sentence the FMU logs as a warning when `output` rises above 0.5, at initialisation or later; it then goes on.
 
     `{name}` in the text is replaced by the value of the Real parameter of that name.
     """
@@ -54,7 +54,7 @@ class Interface:
 
     A continuous component integrates in substeps no longer than `max_substep` [s]. A noisy one receives `noise`
     unit normals at initialisation and at every sample, drawn from (`seed`, sample index). `advice` is given to the
-    user after initialisation where it applies.
+    user where it applies.
     """
 
     name: str

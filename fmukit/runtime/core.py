@@ -44,6 +44,7 @@ class Core:
         self.store: Callable[[int, int], int] = _store_nothing
         self.computation: Computation | None = None
         self._resources, self._queue = resources, queue
+        self._given: set[int] = set()
         for slot, scalar in enumerate(about.scalars):
             if scalar.type == "String":
                 self.strings[slot] = scalar.start
@@ -74,17 +75,19 @@ class Core:
             raise RefusalError(f"initialisation failed: {computation.reason(code)}{computation.remedy(code)}")
         computation.start(self.buffer[about.period_slot], self._seed())
         life.samples, life.dirty = 0, False
+        self._given.clear()
 
     def _seed(self) -> int:
         slot = self.about.seed_slot
         return int(self.buffer[slot]) if slot >= 0 else 0
 
     def advise(self) -> None:
-        """Log what the user should know of the chosen parameters; nothing is refused."""
+        """Log what the user should know, each remark when it begins to apply; nothing is refused."""
         for remark in () if self.life.broken else self.about.remarks:
             text = remark.made(self.buffer)
-            if text:
+            if text and remark.slot not in self._given:
                 self.warn(text)
+            (self._given.add if text else self._given.discard)(remark.slot)
 
     # faults
 

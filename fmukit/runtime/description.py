@@ -59,7 +59,7 @@ class ScriptProgram:
 
 @dataclass(frozen=True, slots=True)
 class Remark:
-    """A sentence for the user when the output at `slot` is above 0.5 after initialisation.
+    """A sentence for the user when the output at `slot` is above 0.5.
 
     `values` are pairs of a placeholder in the text and the slot of the parameter that takes its place.
     """

@@ -37,6 +37,8 @@ class Steps:
                 life.origin, life.anchored = time, True
             life.time = time + size
             core.buffer[core.fault] = 0.0
+            if core.about.remarks:
+                core.advise()
             return True
         except BaseException as error:
             core.refuse(error)

@@ -1,82 +1,125 @@
-"""The two updates of a fix, in Joseph form, each stage correcting only its own states."""
+"""What a fix corrects: first the heading (stage 1), then position and velocity (stage 2).
+
+The parts of a fix may belong to different instants. Each waits in the row of the history that ends nearest to its own,
+and is compared with what the antenna did then.
+"""
 
 from __future__ import annotations
 
-from typing import Any
-
 import casadi as ca
 
-from fmukit.kernel import Layout, Parts, block
-from fmus.cars.rotation import rotation_plane, wrap
-from fmus.estimator.navigation import BELIEF, PACKED, STAGE_1, STAGE_2, STATE, full, pack, quarter_turn
+from fmukit.kernel import Parts, block
+from fmus.cars.rotation import levelling, rotation_plane, wrap
+from fmus.estimator.navigation import BELIEF, STATE, motion, where
+from fmus.estimator.records import ASSUMED, ROW, VERDICT
+from fmus.estimator.updating import OPEN, Estimate, Outcome, linear
+from fmus.estimator.wheels import rear_axle
 
-FIX = Layout(position=2, velocity=2, heading=1)
-LEVER = Layout(offset=2, velocity=2)
-"""Antenna relative to the inertial unit, level frame: offset [m] and velocity [m/s] (gyroscope bias not removed)."""
-TRUST = Layout(position=1, velocity=1, heading=1, gate_heading=1, gate_position=1, patience=1)
-"""Variances of the fix, gates on the normalised innovation squared, refused fixes in a row before doubting."""
+_LOST = 0.3**2  # rad2, variance of a heading that is not known
 
 
-@block(belief=BELIEF, fix=FIX, lever=LEVER, trust=TRUST, doubt=1, initial=PACKED)
-def correct(
-    belief: Parts, fix: Parts, lever: Parts, trust: Parts, doubt: ca.SX, initial: ca.SX
-) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """The belief (column of BELIEF) after a fix, NIS (heading, position), and which of both are accepted.
+@block(belief=BELIEF, verdict=VERDICT, row=ROW, assumed=ASSUMED)
+def correct(belief: Parts, verdict: Parts, row: Parts, assumed: Parts) -> tuple[ca.SX, Parts]:
+    """The belief (column of BELIEF) after the parts of fixes in one row, and the verdicts on them.
 
     With `doubt` = 1 the initial covariance is added first and nothing is refused.
     """
-    z, P = belief["mean"], full(belief["covariance"] + doubt * initial)
-    z, P, nis_1, accepted_1 = _heading(z, P, fix, trust, doubt)
-    z, P, nis_2, accepted_2 = _position(z, P, fix, lever, k=trust, doubt=doubt)
-    return ca.vertcat(z, pack(P)), ca.vertcat(nis_1, nis_2), ca.vertcat(accepted_1, accepted_2)
+    e, unit, place, drift = Estimate(belief), row["sensed"]["unit"], row["place"], row["drift"]
+    e.widen(row["doubt"] * assumed["initial"])
+    gates = {name: ca.if_else(row["doubt"] > 0.5, OPEN, gate) for name, gate in assumed["gates"].items()}
+    heading = _heading(e, unit, place, gates["heading"])
+    position = _position(e, unit, place, assumed["arms"]["antenna"], gates["position"])
+    _align(e, drift, assumed["course"])
+    _slow_down(e, drift)
+    _go_straight(e, unit, drift, assumed["course"], assumed["arms"]["rear"])
+    velocity = _velocity(e, unit, drift, assumed["arms"]["antenna"], gates["velocity"])
+    there = ca.vertcat(place["heading_variance"], place["position_variance"], drift["velocity_variance"]) > 0
+    outcomes = (heading, position, velocity)
+    new = {name: ca.vertcat(*(getattr(outcome, name) for outcome in outcomes)) for name in ("nis", "accepted")}
+    return e.column(), {name: ca.if_else(there, new[name], verdict[name]) for name in new}
 
 
-def _heading(z: ca.SX, P: ca.SX, fix: Parts, k: Parts, doubt: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
+def _heading(e: Estimate, unit: Parts, fix: Parts, gate: ca.SX) -> Outcome:
     """Stage 1: two-antenna heading, innovation wrapped to (-pi, pi]."""
-    H = ca.horzcat(1, ca.SX(1, STATE.size - 1))
-    gap = fix["heading"] - z[0]
-    return update(z, P, wrap(gap), H, k["heading"], own=STAGE_1, gate=k["gate_heading"], doubt=doubt)
+    s = e.seen()
+    expected = s["heading"] - fix["place_delay"] * motion(s, unit)[0][2]
+    H = ca.SX(1, STATE.size)
+    H[0, where("heading")] = 1
+    R = _something(fix["heading_variance"])
+    return e.take(wrap(fix["heading"] - expected), H, R, gate=gate, used=fix["heading_variance"] > 0)
 
 
-def _position(
-    z: ca.SX, P: ca.SX, fix: Parts, lever: Parts, *, k: Parts, doubt: ca.SX
-) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
-    """Stage 2: antenna position p + Rz(psi) l + c and velocity Rz(psi)(w + l'); psi's uncertainty is considered."""
+def _position(e: Estimate, unit: Parts, fix: Parts, arm: ca.SX, gate: ca.SX) -> Outcome:
+    """Position of the antenna."""
     states = STATE.symbol("z")
-    predicted = antenna(states, lever)
-    H = ca.substitute(ca.jacobian(predicted, states), states, z)
-    gap = ca.vertcat(fix["position"], fix["velocity"]) - ca.substitute(predicted, states, z)
-    R: Any = ca.diag(ca.vertcat(k["position"], k["position"], k["velocity"], k["velocity"]))
-    return update(z, P, gap, H, R, own=STAGE_2, gate=k["gate_position"], doubt=doubt)
+    place, velocity = antenna(states, unit, arm)
+    expected, H = linear(place - fix["place_delay"] * velocity, states, e.z)
+    variance = fix["position_variance"]
+    R = ca.diag(ca.repmat(_something(variance), 2))
+    return e.take(fix["position"] - expected, H, R, gate=gate, used=variance > 0)
 
 
-def antenna(z: ca.SX, lever: Parts) -> ca.SX:
-    """Predicted position and velocity of the antenna (4)."""
-    s, l = STATE.split(z), lever  # noqa: E741 (the book's lever arm)
-    Rz = rotation_plane(s["heading"])
-    velocity = s["velocity"] + l["velocity"] - s["gyroscope_bias"] * quarter_turn(l["offset"])
-    return ca.vertcat(s["position"] + Rz @ l["offset"] + s["gps_error"], Rz @ velocity)
+def _velocity(e: Estimate, unit: Parts, fix: Parts, arm: ca.SX, gate: ca.SX) -> Outcome:
+    """Velocity of the antenna; not used while the heading is not known."""
+    states, variance = STATE.symbol("z"), fix["velocity_variance"]
+    s = STATE.split(states)
+    _, a = motion(s, unit)
+    change = rotation_plane(s["heading"]) @ a
+    expected, H = linear(antenna(states, unit, arm)[1] - fix["drift_delay"] * change, states, e.z)
+    R = ca.diag(ca.repmat(_something(variance), 2))
+    known = e.P[0, 0] < _LOST
+    return e.take(fix["velocity"] - expected, H, R, gate=gate, used=ca.logic_and(variance > 0, known))
 
 
-def update(
-    z: ca.SX, P: ca.SX, gap: ca.SX, H: ca.SX, R: ca.SX, *, own: slice, gate: ca.SX, doubt: ca.SX
-) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
-    """Schmidt-Kalman update of the states `own`: the gain's other rows are 0 but their covariance counts in S.
-
-    Returns mean, covariance, NIS and 1 if accepted. A refused innovation gets the gain 0, which the Joseph form
-    P+ = (I - K H) P (I - K H)' + K R K' turns into P+ = P.
-    """
-    L = ca.chol(H @ P @ H.T + R).T
-    white = ca.solve(L, gap)
-    nis = ca.sumsqr(white)
-    accepted = ca.logic_or(nis <= gate, doubt > 0.5)
-    full = ca.solve(L.T, ca.solve(L, H @ P)).T
-    K = ca.SX(STATE.size, H.shape[0])
-    K[own, :] = accepted * full[own, :]
-    return z + K @ gap, joseph(P, K, H, R), nis, accepted
+def _align(e: Estimate, fix: Parts, course: Parts) -> None:
+    """While the heading is not known, the course of a car that moves is taken for it."""
+    speed = ca.norm_2(fix["velocity"] + 1e-9)
+    told = ca.logic_and(fix["alone"] > 0.5, speed > course["speed"])
+    H = ca.SX(1, STATE.size)
+    H[0, where("heading")] = 1
+    gap = wrap(ca.atan2(fix["velocity"][1], fix["velocity"][0] + 1e-12) - e.seen()["heading"])
+    R = 2 * fix["velocity_variance"] / speed**2 + 4 * course["sideslip"] + 1e-12
+    e.take(gap, H, R, gate=ca.SX(OPEN), used=ca.logic_and(told, e.P[0, 0] > _LOST))
 
 
-def joseph(P: ca.SX, K: ca.SX, H: ca.SX, R: ca.SX) -> ca.SX:
-    """(I - K H) P (I - K H)' + K R K': symmetric and positive semidefinite for any gain."""
-    rest = ca.SX.eye(P.shape[0]) - K @ H
-    return rest @ P @ rest.T + K @ R @ K.T
+def _slow_down(e: Estimate, fix: Parts) -> None:
+    """While the heading is not known, a velocity only tells how fast the car may be, in any direction."""
+    H = ca.SX(2, STATE.size)
+    for row, index in enumerate(where("velocity")):
+        H[row, index] = 1
+    R = (fix["velocity_variance"] + ca.sumsqr(fix["velocity"]) + 1e-6) * ca.SX.eye(2)
+    told = ca.logic_and(fix["velocity_variance"] > 0, e.P[0, 0] > _LOST)
+    e.take(-e.seen()["velocity"], H, R, gate=ca.SX(OPEN), used=told)
+
+
+def _go_straight(e: Estimate, unit: Parts, fix: Parts, course: Parts, arm: ca.SX) -> None:
+    """Course as heading: in straight motion the rear axle does not slip sideways, so what slips is the heading."""
+    states = STATE.symbol("z")
+    expected, H = linear(rear_axle(states, unit, arm)[1], states, e.z)
+    s = e.seen()
+    rates, a = motion(s, unit)
+    speed = ca.fabs(s["velocity"][0])
+    slow = ca.logic_or(speed < course["speed"], ca.fabs(rates[2]) > course["rate"])
+    told = ca.logic_and(
+        fix["alone"] * course["used"] > 0.5, ca.logic_not(ca.logic_or(slow, ca.fabs(a[1]) > course["force"]))
+    )
+    R = course["sideslip"] * speed**2 + 1e-6
+    e.take(-expected, H, R, gate=ca.SX(OPEN), used=ca.logic_and(told, e.P[0, 0] < _LOST))
+
+
+def antenna(z: ca.SX, unit: Parts, arm: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Predicted position, with the receiver's slow error, and velocity of the antenna (2 each), world frame."""
+    s = STATE.split(z)
+    C, Rz = levelling(s["tilt"][0], s["tilt"][1]), rotation_plane(s["heading"])
+    place = s["position"] + Rz @ (C @ arm)[0:2] + s["gps_error"]
+    return place, Rz @ _carried(s, unit, arm, C)
+
+
+def _carried(s: Parts, unit: Parts, arm: ca.SX, C: ca.SX) -> ca.SX:
+    """Velocity in the level frame of a point of the body."""
+    return s["velocity"] + (C @ ca.cross(unit["rate"] - s["gyroscope_bias"], arm))[0:2]
+
+
+def _something(variance: ca.SX) -> ca.SX:
+    """The variance, or 1 where there is none: it must not vanish even where nothing is used."""
+    return ca.if_else(variance > 0, variance, 1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from fmukit.interface import AXES, Variable, group, input_, load_parameters, output, parameter, sampled
+from fmukit.interface import AXES, Advice, Variable, group, input_, load_parameters, output, parameter, sampled
 from fmus.cars.nominal import DESIGN
 from fmus.cars.wheels import WHEELS
 from fmus.estimator.profiles import profile
@@ -13,6 +13,8 @@ from fmus.sensors.gps.interface import gps_bus
 _SENSOR_DATA = {
     "noise.gyroscope": ("rad/s/sqrt(Hz)", "white noise density of the gyroscope"),
     "noise.gyroscope_bias": ("rad/s/sqrt(s)", "random walk of the gyroscope bias"),
+    "noise.accelerometer": ("m/s2/sqrt(Hz)", "white noise density of the accelerometer"),
+    "noise.accelerometer_bias": ("m/s2/sqrt(s)", "random walk of the accelerometer bias"),
     "initial.std.gyroscope_bias": ("rad/s", "standard deviation of the gyroscope bias at start"),
     "initial.std.accelerometer_bias": ("m/s2", "standard deviation of the accelerometer bias at start"),
     "noise.gps_position": ("m", "standard deviation of the white position error, per axis"),
@@ -28,7 +30,17 @@ _DESIGN = {
     "cog_height": ("m", "assumed height of the centre of gravity"),
     "track": ("m", "assumed track"),
     "wheelbase": ("m", "assumed wheelbase"),
-    "tyre_stiffness": ("N/m", "assumed vertical stiffness of one tyre"),
+    "tyre_stiffness": ("N/m", "assumed vertical stiffness of one tyre; 1e12: a car that does not lean"),
+    "rolling_radius": ("m", "assumed rolling radius of the rear wheels"),
+}
+REAR = WHEELS[2:]
+_DERIVED = {
+    "rear_axle": ("m", "assumed distance of the rear axle behind O1", DESIGN.l_r),
+    "rear_compliance": (
+        "rad.s2/m",
+        "assumed sideslip of the rear axle per lateral acceleration: m l_f / (L C_r)",
+        DESIGN.mass * DESIGN.l_f / (DESIGN.wheelbase * DESIGN.cornering_rear),
+    ),
 }
 
 
@@ -43,6 +55,10 @@ def _parameters() -> list[Variable]:
         *(
             parameter(f"design.{n}", unit, text, getattr(DESIGN, n), minimum=1e-3, source="nominal car")
             for n, (unit, text) in _DESIGN.items()
+        ),
+        *(
+            parameter(f"design.{n}", unit, text, value, minimum=0.0, source="nominal car")
+            for n, (unit, text, value) in _DERIVED.items()
         ),
     ]
 
@@ -60,6 +76,7 @@ def _inputs() -> list[Variable]:
         *group(input_, "gyroscope", AXES, "rad/s", "measured angular velocity, body frame"),
         *gps_bus(input_),
         *group(input_, "suspension_travel", WHEELS, "m", "suspension travel, bump > 0"),
+        *group(input_, "wheel_speed", REAR, "rad/s", "wheel spin, positive forward; used with wheels.used"),
     ]
 
 
@@ -87,15 +104,25 @@ def _quality() -> list[Variable]:
         output("std.roll", "rad", "standard deviation of the roll estimate"),
         output("std.pitch", "rad", "standard deviation of the pitch estimate"),
         output("nis.heading", "1", "normalised innovation squared of the last fix, heading (1 degree of freedom)"),
-        output("nis.position", "1", "the same, position and velocity (4 degrees of freedom)"),
+        output("nis.position", "1", "the same, position (2 degrees of freedom)"),
+        output("nis.velocity", "1", "the same, velocity (2 degrees of freedom)"),
         output("fix.used_count", "1", "number of fixes used in full"),
         output("fix.refused_count", "1", "number of fixes refused, wholly or in part, as outliers or as too old"),
+        output("fix.refused_for", "s", "time since a fix was refused without one used in full since; 0: none was"),
+        output("fix.refused_long", "1", "1 while that is longer than 1 s"),
     ]
 
 
 INTERFACE = sampled(
     "NavigationFilter",
-    "Two-stage Kalman filter: attitude and heading, then position and velocity; GPS latency and lever arms handled",
+    "Two-stage Kalman filter: attitude and heading, then position and velocity; late fixes and lever arms handled",
     step=0.005,
     variables=[*_parameters(), *_inputs(), *_estimates(), *_quality()],
+    advice=[
+        Advice(
+            "fix.refused_long",
+            "fixes have been refused, wholly or in part, for more than 1 s; compare nis.* with gate.*, and check"
+            " gps.time, the accuracies and antenna.position",
+        )
+    ],
 )

@@ -1,102 +1,114 @@
-"""NavigationFilter: sense, move on, correct when a fix arrives, tell. Assembled from the topic modules."""
+"""NavigationFilter: sense, move on, work through the past when a fix arrives, tell. Assembled from topic modules."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import casadi as ca
 
 from fmukit.kernel import Kernel, Layout, Parts, Signals, block, sampled_kernel
-from fmus.estimator.correction import FIX, TRUST, correct
-from fmus.estimator.history import ROW, SAMPLES, lever_at, transport
+from fmus.estimator.assumptions import assumptions, prior
+from fmus.estimator.fixes import FIX, in_reach, present, put, reported
+from fmus.estimator.history import REACH, ROWS, advance_if, corrected, look, replay
 from fmus.estimator.interface import INTERFACE
-from fmus.estimator.navigation import BELIEF, PACKED, PROCESS, READING, propagate, propagate_if
-from fmus.estimator.signals import SENSED, assumptions, outputs, prior, sense
+from fmus.estimator.navigation import BELIEF
+from fmus.estimator.records import ASSUMED, ROW, TALLY, VERDICT
+from fmus.estimator.signals import outputs, sense
 
 STATES = Layout(
     belief=BELIEF.size,
     checkpoint=BELIEF.size,
     checkpoint_age=1,
-    sensed=SENSED.size,
-    rows=ROW.size * SAMPLES,
+    rows=ROW.size * ROWS,
+    started=1,
     last_count=1,
-    nis=2,
-    used=1,
-    refused=1,
-    refused_in_a_row=1,
+    verdict=VERDICT,
+    tally=TALLY,
+    refused_for=1,
 )
-"""`belief` is now, `checkpoint` the posterior at the last used fix (or as far back as the rows reach)."""
-DERIVED = Layout(process=PROCESS.size, trust=TRUST.size, initial=PACKED)
-_MEMORY = ("belief", "checkpoint", "checkpoint_age", "nis", "used", "refused", "refused_in_a_row")
-
-
-_BRANCH = {name: STATES.sizes[name] for name in (*_MEMORY, "rows")} | DERIVED.sizes
-_BRANCH |= {"T": 1, "period": 1, "fix": FIX.size, "age": 1}
-"""What both ways of a sample take, see `_move_on`."""
+"""`belief` is now; `checkpoint` is that at the older part of the last fix, before it (or as far back as fixes reach),
+its age in samples."""
+DERIVED = Layout(assumed=ASSUMED.size)
+_MEMORY = ("belief", "checkpoint", "checkpoint_age", "rows", "verdict", "tally")
+_BRANCH: dict[str, int | Layout] = {name: STATES.sizes[name] for name in _MEMORY}
+_BRANCH |= {"fix": FIX.size, "assumed": ASSUMED.size, "patience": 1}
 
 
 def kernel() -> Kernel:
-    """The kernel; d holds the assumed noises and the initial covariance."""
+    """The kernel; d holds what is assumed."""
     return sampled_kernel(INTERFACE, states=STATES, derived=DERIVED, initialise=initialise, sample=sample, symbol=ca.MX)
 
 
 def initialise(p: Signals, u: Signals) -> tuple[Parts, Parts, Parts]:
     """The prior, as told before any fix."""
-    belief, sensed = prior(p)
-    x = {"belief": belief, "checkpoint": belief, "sensed": sensed}
-    return dict(zip(DERIVED.sizes, assumptions(p), strict=True)), x, _tell(p, u, STATES.split(STATES.begun(x)))
+    belief = prior(p)
+    x = {"belief": belief, "checkpoint": belief, "verdict": {"nis": ca.MX.zeros(3), "accepted": ca.MX.ones(3)}}
+    return {"assumed": assumptions(p)}, x, _tell(p, u, STATES.split(STATES.begun(x)))
 
 
 def sample(p: Signals, d: Parts, u: Signals, x: Parts, t: ca.MX) -> tuple[Parts, Parts]:
     """Sense, move on, correct when a fix arrives, tell."""
-    later = _move_on(p, u, d, x, t)
+    assumed, count = d["assumed"], u["gps.fix_count"]
+    later = _move_on(x, ROW.begun({"sensed": sense(p, u)}), assumed)
+    fix = FIX.join(reported(p, u, t))
+    is_new = ca.logic_and(count != x["last_count"], u["gps.valid"] > 0.5)
+    choose = ca.Function.if_else("choose", _correct_the_past.function, _leave.function)
+    memory = [_column(later[name]) for name in _MEMORY]
+    new = choose(is_new, *memory, fix, assumed, p["gate.patience"])
+    later |= dict(zip(_MEMORY, new, strict=True)) | {"last_count": count, "started": ca.MX(1)}
+    later |= {"verdict": VERDICT.split(later["verdict"]), "tally": TALLY.split(later["tally"])}
+    waited = x["refused_for"] + x["started"] * p["sample_period"]
+    later["refused_for"] = ca.if_else(later["tally"]["in_a_row"] > 0, waited, 0)
     return later, _tell(p, u, later)
 
 
-def _move_on(p: Signals, u: Signals, d: Parts, x: Parts, t: ca.MX) -> Parts:
-    """Attitude, history, then either one step ahead or the correction of the past."""
-    period, count = p["sample_period"], u["gps.fix_count"]
-    sensed, row, T, fix, age = sense(p, u, x["sensed"], t)
-    checkpoint, checkpoint_age = _keep_within_reach(d, x, period)
-    x = x | {"sensed": sensed, "checkpoint": checkpoint, "checkpoint_age": checkpoint_age + T}
-    x["rows"] = ca.vertcat(x["rows"][ROW.size :], row)
-    is_new = ca.logic_and(count != x["last_count"], u["gps.valid"] > 0.5)
-    in_reach = ca.logic_and(age <= x["checkpoint_age"] + 1e-6, age <= (SAMPLES - 1) * period)
-    choose = ca.Function.if_else("choose", _correct_the_past.function, _step_ahead.function)
-    memory = [x[name] for name in _MEMORY]
-    new = choose(ca.logic_and(is_new, in_reach), *memory, x["rows"], *d.values(), T, period, fix, age)
-    x |= dict(zip(_MEMORY, new, strict=True)) | {"last_count": count}
-    return x | {"refused": x["refused"] + ca.logic_and(is_new, ca.logic_not(in_reach))}
+def _move_on(x: Parts, row: ca.MX, assumed: ca.MX) -> Parts:
+    """The belief at the newest sample, which `row` is, and the checkpoint moved on before its row is dropped."""
+    started = x["started"]
+    columns: Any = ca.vertsplit(x["rows"], ROW.size)
+    first = look(x["belief"], row, assumed)
+    moved = advance_if()(started, x["belief"], columns[-1], row, assumed)
+    late = x["checkpoint_age"] >= REACH
+    oldest, following = columns[ROWS - 1 - REACH], columns[ROWS - REACH]
+    seen, _ = corrected(x["checkpoint"], _column(x["verdict"]), oldest, assumed, late)
+    begun = ca.if_else(started, x["checkpoint"], first)
+    return x | {
+        "belief": ca.if_else(started, moved, first),
+        "checkpoint": ca.if_else(late, advance_if()(late, seen, oldest, following, assumed), begun),
+        "checkpoint_age": ca.fmin(x["checkpoint_age"] + started, REACH),
+        "rows": ca.vertcat(x["rows"][ROW.size :], row),
+    }
 
 
-def _keep_within_reach(d: Parts, x: Parts, period: ca.MX) -> tuple[ca.MX, ca.MX]:
-    """Move the checkpoint through the oldest row before that row is dropped."""
-    reach = (SAMPLES - 1) * period
-    beyond, oldest = x["checkpoint_age"] - reach, x["rows"][: READING.size]
-    late = x["checkpoint_age"] > reach + 1e-9
-    moved = propagate_if()(late, x["checkpoint"], oldest, beyond, d["process"])
-    return moved, ca.fmin(x["checkpoint_age"], reach)
+def _column(parts: Parts | ca.MX) -> ca.MX:
+    return ca.vertcat(*map(_column, parts.values())) if isinstance(parts, dict) else parts
 
 
 @block(symbol=ca.MX, **_BRANCH)
-def _step_ahead(**a: ca.MX) -> tuple[ca.MX, ...]:
-    """No fix: the belief moves through the newest row."""
-    belief = propagate(a["belief"], a["rows"][-ROW.size :][: READING.size], a["T"], a["process"])
-    return belief, *(a[name] for name in _MEMORY[1:])
+def _leave(**a: ca.MX) -> tuple[ca.MX, ...]:
+    """No fix: all as it is."""
+    return tuple(a[name] for name in _MEMORY)
 
 
 @block(symbol=ca.MX, **_BRANCH)
 def _correct_the_past(**a: ca.MX) -> tuple[ca.MX, ...]:
-    """A fix: checkpoint to the instant of the fix, both updates, and on to now."""
-    rows, now = ca.reshape(a["rows"], ROW.size, SAMPLES), ca.MX(0)
-    before = transport(a["checkpoint"], rows, a["checkpoint_age"], a["age"], a["period"], a["process"])
-    doubt = a["refused_in_a_row"] >= TRUST.split(a["trust"])["patience"]
-    lever = lever_at(rows, a["age"], a["period"])
-    after, nis, accepted = correct(before, a["fix"], lever, a["trust"], doubt, a["initial"])
-    belief = transport(after, rows, a["age"], now, a["period"], a["process"])
-    good = ca.logic_and(accepted[0], accepted[1])
-    counts = [a["used"] + good, a["refused"] + 1 - good, (1 - good) * (a["refused_in_a_row"] + 1)]
-    return belief, after, a["age"], nis, *counts
+    """A fix: its parts into their rows, and from the checkpoint through all rows to now."""
+    fix, start, tally = FIX.split(a["fix"]), a["checkpoint_age"], TALLY.split(a["tally"])
+    doubt = tally["in_a_row"] >= a["patience"]
+    rows = put(ca.reshape(a["rows"], ROW.size, ROWS), fix, start, doubt)
+    kept = ca.fmin(ca.fmax(fix["place_age"], fix["drift_age"]), start)
+    run = replay(a["checkpoint"], a["verdict"], rows, start, kept, a["assumed"])
+    there = present(fix)
+    good = ca.logic_and(in_reach(fix, start), VERDICT.split(run["verdict"])["accepted"])
+    refused, some = ca.sum1(ca.logic_and(there, ca.logic_not(good))) > 0, ca.sum1(there) > 0
+    counted = {
+        "used": tally["used"] + ca.logic_and(some, ca.logic_not(refused)),
+        "refused": tally["refused"] + refused,
+        "in_a_row": ca.if_else(some, refused * (tally["in_a_row"] + 1), tally["in_a_row"]),
+    }
+    return run["belief"], run["checkpoint"], kept, ca.vec(rows), run["verdict"], TALLY.join(counted)
 
 
 def _tell(p: Signals, u: Signals, x: Parts) -> Parts:
-    told: Parts = outputs(p, u, x["belief"], x["sensed"], x["nis"], x["used"], x["refused"])
+    told: Parts = outputs(p, u, x["belief"], x["verdict"], x["tally"], x["refused_for"])
     return told

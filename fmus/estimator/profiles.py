@@ -13,6 +13,8 @@ from fmus.sensors.imu.profiles import profile as imu_profile
 _SAME = {
     "noise.gyroscope": "gyroscope.noise_density",
     "noise.gyroscope_bias": "gyroscope.bias_walk",
+    "noise.accelerometer": "accelerometer.noise_density",
+    "noise.accelerometer_bias": "accelerometer.bias_walk",
     "initial.std.gyroscope_bias": "gyroscope.turn_on_bias",
     "initial.std.accelerometer_bias": "accelerometer.turn_on_bias",
     "noise.gps_position": "position.noise",
@@ -31,8 +33,9 @@ def profile(gps: str = "rtk", imu: str = "automotive") -> dict[str, float]:
 def assumed(imu: Mapping[str, float], gps: Mapping[str, float]) -> dict[str, float]:
     """Filter parameters that match sensors with these parameters (start values where not given)."""
     data = _starts(IMU) | _starts(GPS) | dict(imu) | dict(gps)
-    matched = {ours: data[theirs] for ours, theirs in _SAME.items()}
-    return matched | {"noise.gps_heading": data["heading.noise"] / data["antenna.baseline"]}
+    matched: dict[str, float] = {ours: data[theirs] for ours, theirs in _SAME.items()}
+    matched["noise.gps_heading"] = data["heading.noise"] / data["antenna.baseline"]
+    return matched | {"course.used": data["antenna.count"] < 1.5}
 
 
 def _starts(interface: Interface) -> dict[str, float]:

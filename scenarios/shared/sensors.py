@@ -17,6 +17,7 @@ TRUE_YAW_RATE = {"yaw_rate": "angular_rate.z"}
 # Body rates stand in for the rates of yaw, roll and pitch, which `estimate.*_rate` are: with roll and pitch of a few
 # degrees they differ by terms like yaw' sin(pitch), below 0.02 rad/s here.
 TRUE_RATES = {**TRUE_YAW_RATE, "roll_rate": "angular_rate.x", "pitch_rate": "angular_rate.y"}
+_RIGID = 1e12  # N/m, assumed of the tyres of a planar car, which does not lean
 TRUE_STATES = {"estimate.": "", "estimate.yaw_rate": "angular_rate.z"}
 """For `System.connect`: a plant's states in place of an estimate."""
 
@@ -26,7 +27,8 @@ def add_sensors(system: System, settings: Settings, car: str = "", *, sprung: bo
     gps, imu = settings["gps_profile"], settings["imu_profile"]
     system.add(f"{car}imu", "Imu", imu_profile(imu))
     system.add(f"{car}gps", "GpsReceiver", gps_profile(gps))
-    system.add(f"{car}filter", "NavigationFilter", filter_profile(gps, imu))
+    stiff = {} if sprung else {"design.tyre_stiffness": _RIGID}
+    system.add(f"{car}filter", "NavigationFilter", filter_profile(gps, imu) | stiff)
     system.connect(f"{car}plant", f"{car}imu", {"truth.": ""})
     system.connect(f"{car}plant", f"{car}gps", {"truth.": ""})
     for source in ("imu", "gps", "plant") if sprung else ("imu", "gps"):

@@ -4,7 +4,7 @@ from cosim.scenario.settings import Setting
 
 SENSORS = {
     "feedback": Setting("filter", ("filter", "truth"), "what the controllers see: the filter's estimate or the truth"),
-    "gps_profile": Setting("rtk", ("rtk", "dgps", "standalone"), "kind of satellite receiver"),
-    "imu_profile": Setting("automotive", ("automotive", "tactical"), "grade of the inertial unit"),
+    "gps_profile": Setting("rtk", ("rtk", "dgps", "standalone", "phone"), "kind of satellite receiver"),
+    "imu_profile": Setting("automotive", ("automotive", "tactical", "mems"), "grade of the inertial unit"),
 }
 """Those of the sensors of a car, and of who sees what."""

@@ -26,5 +26,6 @@ def tracking_metrics(results: Results, _prepared: None) -> Metrics:
         "yaw_estimate_rms": Metric(rms(d.yaw), "rad"),
         "nis_heading_mean": Metric(mean(new_fixes(results, "filter.nis.heading"))),
         "nis_position_mean": Metric(mean(new_fixes(results, "filter.nis.position"))),
+        "nis_velocity_mean": Metric(mean(new_fixes(results, "filter.nis.velocity"))),
         "saturation_longest": Metric(longest_saturation(results), "s"),
     }

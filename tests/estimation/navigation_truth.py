@@ -36,22 +36,46 @@ def _pulse_integral(t, a, b, r):
     return r * (_blend_integral((t - a) / r) - _blend_integral((t - b + r) / r))
 
 
-def _weave(pulse, t):
-    signs = (1, -1, -1, 1)
-    return sum(s * pulse(t, 2 + 2.2 * k, 4.2 + 2.2 * k, 1) for k, s in enumerate(signs)) + 0.75 * pulse(
-        t, 11, 15.5, 1.2
-    )
+_LAP = 16.0  # s
+
+
+def _integrated(parts, t):
+    """Sum of gain x pulse and of its integral; `parts` are (gain, begin, end, rise)."""
+    return tuple(sum(part[0] * f(t, *part[1:]) for part in parts) for f in (_pulse, _pulse_integral))
+
+
+def _weave(laps):
+    """Start speed, accelerations and yaw rates of high-speed swerves, again and again."""
+    signs, push, turn = (1, -1, -1, 1), [], []
+    for begin in (_LAP * lap for lap in range(laps)):
+        push += [(2, begin + 1.5, begin + 6, 0.5), (-3, begin + 10.5, begin + 13.5, 0.5)]
+        turn += [(4 / 29 * s, begin + 2 + 2.2 * k, begin + 4.2 + 2.2 * k, 1) for k, s in enumerate(signs)]
+        turn.append((3 / 29, begin + 11, begin + 15.5, 1.2))
+    return 25, push, turn
+
+
+def _town(_):
+    """From rest through a town: corners, a swerve, straights and a stop."""
+    push = [(2, 5, 11.5, 0.5), (-2, 25, 28.5, 0.5), (2, 33, 37.5, 0.5), (-2.5, 57, 63.1, 0.5), (2, 72, 78.5, 0.5)]
+    push += [(-2, 95, 98.5, 0.5), (2, 104, 110.5, 0.5)]
+    turn = [(0.5, 28.5, 32.1, 0.6), (0.1, 45, 47, 0.8), (-0.1, 47, 49, 0.8), (-0.5, 98.5, 102.1, 0.6)]
+    turn += [(0.06, 113, 125, 1), (-0.06, 128, 140, 1)]
+    return 0, push, turn
+
+
+DRIVES = {"weave": _weave, "town": _town}
 
 
 @cache
-def motion() -> ca.Function:
+def motion(drive: str = "weave", laps: int = 1) -> ca.Function:
     """t -> velocity (3, world), attitude (3), body velocity, body rate, its derivative, specific force (3 each)."""
     t = ca.SX.sym("t")
     d = lambda e: ca.jacobian(e, t)  # noqa: E731
-    speed = 25 + 2 * _pulse_integral(t, 1.5, 6, 0.5) - 3 * _pulse_integral(t, 10.5, 13.5, 0.5)
-    course = 4 / 29 * _weave(_pulse_integral, t)
-    a_x = 2 * _pulse(t, 1.5, 6, 0.5) - 3 * _pulse(t, 10.5, 13.5, 0.5)
-    a_y = speed * 4 / 29 * _weave(_pulse, t)
+    begin, push, turn = DRIVES[drive](laps)
+    a_x, gained = _integrated(push, t)
+    rate, course = _integrated(turn, t)
+    speed = begin + gained
+    a_y = speed * rate
     angles = ca.vertcat(ROLL_GAIN * a_y, -PITCH_GAIN * a_x, course - SIDESLIP_GAIN * a_y)
     velocity = ca.vertcat(speed * ca.cos(course), speed * ca.sin(course), 0)
     R = rotation_matrix(*ca.vertsplit(angles))
@@ -72,14 +96,15 @@ def rotation_matrix(phi, theta, psi):
 
 
 @cache
-def truth(duration: float = 16.0, step: float = T) -> dict[str, np.ndarray]:
+def truth(duration: float = 16.0, step: float = T, drive: str = "weave", laps: int = 1) -> dict[str, np.ndarray]:
     """Signals by port name, one value per sample."""
+    moves = motion(drive, laps)
     times = np.arange(round(duration / step) + 1) * step
     nodes, weights = np.polynomial.legendre.leggauss(5)
     inner = (times[:-1, None] + step * (nodes + 1) / 2).ravel()
-    between = motion()(inner[None, :])[0].full().reshape(3, -1, 5) @ weights * step / 2
+    between = moves(inner[None, :])[0].full().reshape(3, -1, 5) @ weights * step / 2
     position = np.hstack([np.zeros((3, 1)), np.cumsum(between, axis=1)])
-    _, angles, velocity, omega, epsilon, force = (block.full() for block in motion()(times[None, :]))
+    _, angles, velocity, omega, epsilon, force = (block.full() for block in moves(times[None, :]))
     signals = {"time": times} | dict(zip(("truth.roll", "truth.pitch", "truth.yaw"), angles, strict=True))
     vectors = {"position": position, "velocity": velocity, "angular_rate": omega}
     vectors |= {"angular_acceleration": epsilon, "specific_force": force}
@@ -87,12 +112,19 @@ def truth(duration: float = 16.0, step: float = T) -> dict[str, np.ndarray]:
     return signals | suspension(signals, TYRE)
 
 
-def suspension(signals: dict[str, np.ndarray], tyre: float) -> dict[str, np.ndarray]:
-    """Travel of the four wheels when the tyres, of stiffness `tyre`, carry the quasi-static load transfer."""
+def suspension(
+    signals: dict[str, np.ndarray], tyre: float, load: float = 0.0, place=(0, 0, 0)
+) -> dict[str, np.ndarray]:
+    """Travel of the four wheels when the tyres, of stiffness `tyre`, carry the quasi-static load transfer.
+
+    A `load` [kg] at `place` from O1, which is at the height of the centre of gravity, leans on them as well.
+    """
     f_x, f_y = signals["truth.specific_force.x"], signals["truth.specific_force.y"]
-    transfer_y, transfer_x = MASS * HEIGHT * f_y / (2 * TRACK), -MASS * HEIGHT * f_x / (2 * WHEELBASE)
-    roll = np.tan(signals["truth.roll"] - 2 * transfer_y / tyre / TRACK)
-    pitch = np.tan(signals["truth.pitch"] - 2 * transfer_x / tyre / WHEELBASE)
+    leverage, (x, y, z) = MASS * HEIGHT, place
+    leverage += load * (HEIGHT + z)
+    moment_y, moment_x = leverage * f_y - load * G * y, -leverage * f_x + load * G * x
+    roll = np.tan(signals["truth.roll"] - moment_y / (tyre * TRACK**2))
+    pitch = np.tan(signals["truth.pitch"] - moment_x / (tyre * WHEELBASE**2))
     side, end = roll * TRACK / 2, pitch * WHEELBASE / 2
     corners = {"fl": end - side, "fr": end + side, "rl": -end - side, "rr": -end + side}
     return {f"suspension_travel.{wheel}": travel for wheel, travel in corners.items()}
@@ -135,14 +167,34 @@ def _accumulated(step: ca.Function) -> ca.Function:
     return _LOOPS[key]
 
 
-def navigate(seed, imu, gps, estimator, *, settings=None, signals=None):
-    """Filter outputs over the manoeuvre: sensors with `seed`, `settings` per instance; components with kernels."""
+def navigate(seed, imu, gps, estimator, *, settings=None, signals=None, outages=()):
+    """Filter outputs over the manoeuvre: sensors with `seed`, `settings` per instance; components with kernels.
+
+    No fix is taken within `outages`, pairs of begin and end [s].
+    """
     signals, settings = signals or truth(), settings or {}
+    inertial, held = sensed(seed, imu, gps, settings=settings, signals=signals)
+    held = without(held, signals["time"], outages)
+    speed = float(signals["truth.velocity.x"][0])
+    start = {"initial.speed": speed, "initial.position.x": 0.0} | settings.get("filter", {})
+    return run(estimator[0], signals | inertial | held, start, kernel=estimator[1]) | held
+
+
+def sensed(seed, imu, gps, *, settings, signals):
+    """What the inertial unit reads, and what the receiver, which runs half as often, holds."""
     inertial = run(imu[0], signals, {"seed": 2 * seed} | settings.get("imu", {}), kernel=imu[1])
     satellite = run(gps[0], signals, {"seed": 2 * seed + 1} | settings.get("gps", {}), every=2, kernel=gps[1])
-    held = {name: np.repeat(values, 2)[: len(signals["time"])] for name, values in satellite.items()}
-    start = {"initial.speed": 25.0, "initial.position.x": 0.0} | settings.get("filter", {})
-    return run(estimator[0], signals | inertial | held, start, kernel=estimator[1]) | held
+    return inertial, {name: np.repeat(values, 2)[: len(signals["time"])] for name, values in satellite.items()}
+
+
+def without(held, times, outages):
+    """The receiver's outputs without the fixes taken within the outages: the last one before is held, not valid."""
+    lost = np.zeros(len(times), dtype=bool)
+    for begin, end in outages:
+        lost |= (held["gps.time"] >= begin - 1e-9) & (held["gps.time"] < end - 1e-9)
+    index = np.maximum.accumulate(np.where(lost, 0, np.arange(len(times))))
+    kept = {name: values[index] for name, values in held.items()}
+    return kept | {"gps.valid": np.where(lost, 0.0, kept["gps.valid"])}
 
 
 def navigate_at(periods, seed, imu, gps, estimator, *, signals):

@@ -102,9 +102,9 @@ def test_dropouts_have_their_share(gps):
 
 
 def test_profiles(gps):
-    assert set(PROFILES.sets) == {"rtk", "dgps", "standalone"}
+    assert set(PROFILES.sets) == {"rtk", "dgps", "standalone", "phone"}
     starts = {v.name: v.start for v in gps[0].interface.select("parameter")}
     assert all(starts[name] == value for name, value in profile("rtk").items())
     assert profile("standalone")["position.correlated_noise"] > profile("dgps")["position.correlated_noise"]
-    with pytest.raises(ValueError, match="choose one of dgps, rtk, standalone"):
+    with pytest.raises(ValueError, match="choose one of dgps, phone, rtk, standalone"):
         profile("galileo")

@@ -73,9 +73,9 @@ def test_without_errors_it_measures_the_motion_of_its_own_place(imu):
 
 
 def test_profiles_are_complete_and_named(imu):
-    assert set(PROFILES.sets) == {"automotive", "tactical"}
+    assert set(PROFILES.sets) == {"automotive", "mems", "tactical"}
     assert profile("tactical").keys() == profile("automotive").keys()
     starts = {v.name: v.start for v in imu[0].interface.select("parameter")}
     assert all(starts[name] == value for name, value in profile("automotive").items())
-    with pytest.raises(ValueError, match=r"no profile 'military'; choose one of automotive, tactical"):
+    with pytest.raises(ValueError, match=r"no profile 'military'; choose one of automotive, mems, tactical"):
         profile("military")

@@ -8,24 +8,48 @@ from scipy.linalg import expm
 
 from fmukit.kernel import block
 from fmus.estimator import navigation
-from fmus.estimator.correction import LEVER, antenna, correct, joseph, update
-from fmus.estimator.navigation import PACKED, STATE, noise, propagate, transition
+from fmus.estimator.correction import antenna, correct
+from fmus.estimator.navigation import BELIEF, STATE, noise, propagate, transition, where
+from fmus.estimator.records import ASSUMED, ROW, VERDICT
+from fmus.estimator.updating import Estimate, joseph
 
 N = STATE.size
 LOWER = [(i, j) for j in range(N) for i in range(j, N)]
-PROCESS = np.array([3e-8, 2e-11, 9e-6, 2.5e-5, 2.5e-5, 1 / 60])
-READING = np.array([0.4, 1.5, 6.0])
-MEAN = np.array([0.7, 0.01, 30.0, -12.0, 29.0, 0.8, 0.03, -0.02, 0.0, 0.0])
-OPEN_GATES = np.array([1e9, 1e9, 1e9])
+PROCESS = np.array([3e-8, 2e-11, 9e-6, 2.5e-5, 2.5e-5, 1 / 60, 1e-8])
+UNIT = np.array([0.05, -0.04, 0.4, 1.5, 6.0, 9.6])
+HEADING, PLACE, VELOCITY, TILT, SPIN, PUSH, SLOW = (where(name) for name in list(STATE.sizes)[:7])
+MEAN = STATE.join(
+    {
+        "heading": 0.7,
+        "position": ca.DM([30.0, -12.0]),
+        "velocity": ca.DM([29.0, 0.8]),
+        "tilt": ca.DM([0.04, -0.03]),
+        "gyroscope_bias": ca.DM([0.01, -0.02, 0.01]),
+        "accelerometer_bias": ca.DM([0.03, -0.02]),
+        "gps_error": ca.DM([0.1, 0.2]),
+        "load_lean": ca.DM([0.001, 0.002]),
+        "load_share": ca.DM([1e-4, 2e-4]),
+    }
+)
+MEAN = np.array(MEAN).ravel()
 
 
-def rate(z, reading=READING, process=PROCESS):
+def rate(z, unit=UNIT, process=PROCESS):
     """Independent restatement of z' with complex numbers: position and velocity as x + i y."""
-    r, a = reading[0] - z[1], complex(*(reading[1:] - z[6:8]))
-    w = complex(z[4], z[5])
-    p_dot, w_dot = np.exp(1j * z[0]) * w, a - 1j * r * w
-    decay = -process[5] * z[8:10]
-    return np.array([r, 0, p_dot.real, p_dot.imag, w_dot.real, w_dot.imag, 0, 0, *decay])
+    phi, theta = z[TILT]
+    omega, force = unit[:3] - z[SPIN], unit[3:] - [*z[PUSH], 0]
+    c, s = np.cos, np.sin
+    euler = [[1, 0, -s(theta)], [0, c(phi), c(theta) * s(phi)], [0, -s(phi), c(theta) * c(phi)]]
+    turning = np.linalg.solve(euler, omega)
+    Rx = np.array([[1, 0, 0], [0, c(phi), -s(phi)], [0, s(phi), c(phi)]])
+    Ry = np.array([[c(theta), 0, s(theta)], [0, 1, 0], [-s(theta), 0, c(theta)]])
+    a, w = complex(*(Ry @ Rx @ force)[:2]), complex(*z[VELOCITY])
+    p_dot, w_dot = np.exp(1j * z[0]) * w, a - 1j * turning[2] * w
+    z_dot = np.zeros(N)
+    z_dot[HEADING], z_dot[TILT] = turning[2], turning[:2]
+    z_dot[PLACE], z_dot[VELOCITY] = (p_dot.real, p_dot.imag), (w_dot.real, w_dot.imag)
+    z_dot[SLOW] = -process[5] * z[SLOW]
+    return z_dot
 
 
 def jacobian(z, h=1e-6):
@@ -61,23 +85,29 @@ def van_loan(A, Qc, T):
 
 
 def densities(A):
-    Qc = PROCESS[0] * np.outer(A[:, 1], A[:, 1]) + PROCESS[2] * A[:, 6:8] @ A[:, 6:8].T
-    return Qc + np.diag([0, PROCESS[1], 0, 0, 0, 0, PROCESS[3], PROCESS[3], *2 * [2 * PROCESS[4] * PROCESS[5]]])
+    Qc = PROCESS[0] * A[:, SPIN] @ A[:, SPIN].T + PROCESS[2] * A[:, PUSH] @ A[:, PUSH].T
+    walks = {"gyroscope_bias": PROCESS[1], "accelerometer_bias": PROCESS[3], "load_lean": PROCESS[6]}
+    for name, density in (walks | {"gps_error": 2 * PROCESS[4] * PROCESS[5]}).items():
+        Qc[where(name), where(name)] += density
+    return Qc
 
 
-MOTION = {"z": N, "reading": navigation.READING, "T": 1, "process": navigation.PROCESS}
+MOTION = {"z": N, "unit": navigation.UNIT, "T": 1, "process": navigation.PROCESS}
 
 
-def test_mean_solves_the_navigation_equation():
-    exact = solve_ivp(lambda t, z: rate(z), (0, 0.02), MEAN, rtol=1e-12, atol=1e-12).y[:, -1]
-    step = block(**MOTION)(transition).function
-    assert np.allclose(step(MEAN, READING, 0.02, PROCESS).full().ravel(), exact, rtol=0, atol=1e-10)
+def test_mean_solves_the_navigation_equation_to_third_order():
+    step, gaps = block(**MOTION)(transition).function, []
+    for T in (0.04, 0.02, 0.005):
+        exact = solve_ivp(lambda t, z: rate(z), (0, T), MEAN, rtol=1e-13, atol=1e-13).y[:, -1]
+        gaps.append(np.max(np.abs(step(MEAN, UNIT, T, PROCESS).full().ravel() - exact)))
+    assert gaps[0] / gaps[1] > 6
+    assert gaps[2] < 1e-7
 
 
 def test_process_noise_is_the_van_loan_integral():
     A, T = jacobian(MEAN), 0.005
     _, exact = van_loan(A, densities(A), T)
-    got = block(**MOTION)(noise)(MEAN, READING, T, PROCESS).full()
+    got = block(**MOTION)(noise)(MEAN, UNIT, T, PROCESS).full()
     scale = np.sqrt(np.outer(np.diag(exact), np.diag(exact)))
     scale[scale == 0] = 1.0
     assert np.max(np.abs(got - exact) / scale) < 1e-3
@@ -85,14 +115,14 @@ def test_process_noise_is_the_van_loan_integral():
 
 def test_propagation_composes_and_zero_time_is_the_identity():
     step, belief = propagate, np.concatenate([MEAN, packed(some_covariance())])
-    assert np.array_equal(step(belief, READING, 0.0, PROCESS).full().ravel(), belief)
-    quiet = PROCESS * [0, 0, 0, 0, 0, 1]
+    assert np.array_equal(step(belief, UNIT, 0.0, PROCESS).full().ravel(), belief)
+    quiet = PROCESS * [0, 0, 0, 0, 0, 1, 0]
     for process in (quiet, PROCESS):
-        once = step(belief, READING, 0.005, process).full().ravel()
-        twice = step(step(belief, READING, 0.0018, process), READING, 0.0032, process).full().ravel()
-        added = (once - step(belief, READING, 0.005, quiet).full().ravel())[N:]
-        assert np.allclose(once[:N], twice[:N], rtol=1e-14)
-        assert np.allclose(once[N:], twice[N:], rtol=1e-13, atol=1e-15 + 2e-3 * np.max(np.abs(added)))
+        once = step(belief, UNIT, 0.005, process).full().ravel()
+        twice = step(step(belief, UNIT, 0.0018, process), UNIT, 0.0032, process).full().ravel()
+        added = (once - step(belief, UNIT, 0.005, quiet).full().ravel())[N:]
+        assert np.allclose(once[:N], twice[:N], rtol=1e-8, atol=1e-8)
+        assert np.allclose(once[N:], twice[N:], rtol=1e-6, atol=1e-6 + 2e-3 * np.max(np.abs(added)))
 
 
 def test_covariance_follows_the_linearised_ensemble():
@@ -100,90 +130,116 @@ def test_covariance_follows_the_linearised_ensemble():
     P = some_covariance(scale=1e-4)
     P *= 1e-8 / np.max(np.diag(P))
     cloud = rng.multivariate_normal(MEAN, P, size=4000)
-    moved = step.map(4000)(cloud.T, np.tile(READING[:, None], 4000), T, PROCESS[:, None]).full()
-    _, later = split(
-        propagate(np.concatenate([MEAN, packed(P)]), READING, T, 1e-30 * PROCESS + [0, 0, 0, 0, 0, 1 / 60])
-    )
+    moved = step.map(4000)(cloud.T, np.tile(UNIT[:, None], 4000), T, PROCESS[:, None]).full()
+    quiet = 1e-30 * PROCESS + [0, 0, 0, 0, 0, 1 / 60, 0]
+    _, later = split(propagate(np.concatenate([MEAN, packed(P)]), UNIT, T, quiet))
     spread = np.sqrt(np.outer(np.diag(later), np.diag(later)))
     assert np.max(np.abs(np.cov(moved) - later) / spread) < 0.08
 
 
 def test_predicted_antenna_velocity_is_the_derivative_of_its_position():
-    arm, h = np.array([0.8, -0.6]), 1e-5
-    lever = np.concatenate([arm, READING[0] * np.array([-arm[1], arm[0]])])
-    predict, step = block(z=N, lever=LEVER)(antenna).function, block(**MOTION)(transition).function
-    ahead, behind = (predict(step(MEAN, READING, s * h, PROCESS), lever).full().ravel() for s in (1, -1))
-    now = predict(MEAN, lever).full().ravel()
-    assert np.allclose((ahead - behind)[:2] / (2 * h), now[2:], atol=1e-6)
+    arm, h = np.array([0.8, -0.6, 0.9]), 1e-5
+    predict, step = block(z=N, unit=navigation.UNIT, arm=3)(antenna).function, block(**MOTION)(transition).function
+    still = PROCESS * [1, 1, 1, 1, 1, 1e-9, 1]  # the slow error is none of the velocity
+    ahead, behind = (predict(step(MEAN, UNIT, s * h, still), UNIT, arm)[0].full().ravel() for s in (1, -1))
+    assert np.allclose((ahead - behind) / (2 * h), predict(MEAN, UNIT, arm)[1].full().ravel(), atol=1e-6)
 
 
 def test_joseph_form_is_symmetric_and_positive_for_any_gain():
     rng, form = np.random.default_rng(3), numeric_joseph()
     for seed in range(20):
-        P = form(some_covariance(seed), rng.normal(size=(N, 4)), rng.normal(size=(4, N)), np.diag(rng.uniform(0, 1, 4)))
-        P = P.full()
-        assert np.allclose(P, P.T, rtol=1e-12, atol=1e-12)
-        assert np.min(np.linalg.eigvalsh(P)) > -1e-10 * np.max(np.abs(P))
+        P, K, H, R = some_covariance(seed), rng.normal(size=(N, 2)), rng.normal(size=(2, N)), rng.uniform(0, 1, 2)
+        rest = np.eye(N) - K @ H
+        expected = rest @ P @ rest.T + K @ np.diag(R) @ K.T
+        got = form(P, K, H, H @ P @ H.T + np.diag(R)).full()
+        assert np.allclose(got, expected, rtol=1e-11, atol=1e-11)
+        assert np.min(np.linalg.eigvalsh(got)) > -1e-10 * np.max(np.abs(got))
 
 
 def numeric_joseph():
-    P, K, H, R = ca.SX.sym("P", N, N), ca.SX.sym("K", N, 4), ca.SX.sym("H", 4, N), ca.SX.sym("R", 4, 4)
-    return ca.Function("joseph", [P, K, H, R], [joseph(P, K, H, R)])
+    P, K, H, S = ca.SX.sym("P", N, N), ca.SX.sym("K", N, 2), ca.SX.sym("H", 2, N), ca.SX.sym("S", 2, 2)
+    return ca.Function("joseph", [P, K, H, S], [joseph(P, K, H, S)])
 
 
-def test_full_gain_is_the_textbook_update():
+def test_an_update_is_that_of_the_textbook_unless_refused():
     rng = np.random.default_rng(4)
-    z, P, gap, H, R = (
-        ca.SX.sym("z", N),
-        ca.SX.sym("P", N, N),
-        ca.SX.sym("g", 4),
-        ca.SX.sym("H", 4, N),
-        ca.SX.sym("R", 4, 4),
-    )
-    function = ca.Function("u", [z, P, gap, H, R], update(z, P, gap, H, R, own=slice(0, N), gate=1e9, doubt=ca.SX(0)))
-    P0, H0, R0, g0 = some_covariance(), rng.normal(size=(4, N)), np.diag(rng.uniform(0.1, 1, 4)), rng.normal(size=4)
+
+    def updated(belief, gap, H, gate):
+        estimate = Estimate(belief)
+        outcome = estimate.take(gap, H, ca.SX(R0), gate=gate, used=ca.SX(1))
+        return estimate.column(), outcome.nis, outcome.accepted
+
+    H0, R0, g0 = rng.normal(size=(2, N)), np.diag(rng.uniform(0.1, 1, 2)), rng.normal(size=2)
+    function, P0 = block(belief=BELIEF, gap=2, H=(2, N), gate=1)(updated).function, some_covariance()
     S = H0 @ P0 @ H0.T + R0
-    mean, covariance, nis, accepted = (out.full() for out in function(MEAN, P0, g0, H0, R0))
-    assert np.allclose(mean.ravel(), MEAN + P0 @ H0.T @ np.linalg.solve(S, g0))
+    belief = np.concatenate([MEAN, packed(P0)])
+    column, nis, accepted = function(belief, g0, H0, 1e9)
+    mean, covariance = split(column)
+    assert np.allclose(mean, MEAN + P0 @ H0.T @ np.linalg.solve(S, g0))
     assert np.allclose(covariance, P0 - P0 @ H0.T @ np.linalg.solve(S, H0 @ P0))
-    assert nis == pytest.approx(g0 @ np.linalg.solve(S, g0))
-    assert accepted == 1
+    assert float(nis) == pytest.approx(g0 @ np.linalg.solve(S, g0))
+    assert float(accepted) == 1
+    refused, _, accepted = function(belief, g0, H0, 0.5 * float(nis))
+    assert np.array_equal(refused.full().ravel(), belief)
+    assert float(accepted) == 0
 
 
-def test_each_stage_corrects_its_own_states_only_and_a_refused_fix_changes_nothing():
-    belief, lever = np.concatenate([MEAN, packed(some_covariance())]), np.array([0.3, -0.2, 0.05, 0.1])
-    far, trust = np.array([1e3, 1e3, 40.0, 40.0, 0.72]), np.array([4e-4, 9e-4, 1e-5, 25.0, 36.0, 10.0])
-    after, nis, accepted = correct(belief, far, lever, trust, 0, np.zeros(PACKED))
-    mean, _ = split(after)
-    assert accepted.full().ravel().tolist() == [1, 0]
-    assert nis[1] > 36
-    assert np.array_equal(mean[2:8], MEAN[2:8])
-    assert mean[0] != MEAN[0]
-    untouched, *_ = correct(belief, far + np.array([0, 0, 0, 0, 3]), lever, trust, 0, np.zeros(PACKED))
+def row(heading, position, velocity, *, unit=UNIT, doubt=0.0, trust=(1e-5, 4e-4, 9e-4)):
+    """A row of the history with a fix: variances of heading, position and velocity."""
+    names = ("heading", "position", "velocity")
+    place = {"position": ca.DM(position), "heading": heading, "place_delay": 0}
+    place |= {f"{name}_variance": value for name, value in zip(names, trust[:2], strict=False)}
+    drift = {"velocity": ca.DM(velocity), "velocity_variance": trust[2], "alone": 0, "drift_delay": 0}
+    sensed = {"unit": ca.DM(unit), "tilt": ca.DM([0, 0]), "speed": 0}
+    return ROW.join({"sensed": sensed, "place": place, "drift": drift, "doubt": doubt})
+
+
+def assumed(gates, initial=0.0):
+    """A column of ASSUMED with no lever arms."""
+    return ASSUMED.begun(
+        {"gates": ca.DM(gates), "initial": packed(initial * np.eye(N)), "course": ca.DM([0, 1e-4, 1, 1, 1])}
+    )
+
+
+NOTHING = VERDICT.join({"nis": ca.DM([0, 0, 0]), "accepted": ca.DM([1, 1, 1])})
+
+
+def test_each_part_of_a_fix_is_refused_by_itself_and_then_changes_nothing():
+    belief, trust = np.concatenate([MEAN, packed(0.01 * some_covariance())]), assumed([25.0, 30.0, 30.0])
+    far = row(0.72, [1e3, 1e3], [400.0, 400.0])
+    after, verdict = correct.function(belief, NOTHING, far, trust)
+    assert verdict.full().ravel()[3:].tolist() == [1, 0, 0]
+    assert verdict[1] > 36
+    only_heading, _ = correct.function(belief, NOTHING, row(0.72, [0, 0], [0, 0], trust=(1e-5, 0, 0)), trust)
+    assert np.allclose(after.full(), only_heading.full(), rtol=1e-12, atol=1e-12)
+    untouched, _ = correct.function(belief, NOTHING, row(3.5, [1e3, 1e3], [400.0, 400.0]), trust)
     assert np.allclose(untouched.full().ravel(), belief, rtol=1e-14, atol=1e-14)
-    doubted, _, accepted = correct(belief, far, lever, trust, 1, packed(1e6 * np.diag([1, *7 * [1], 0, 0])))
-    assert accepted.full().ravel().tolist() == [1, 1]
-    assert abs(split(doubted)[0][2] - 1e3) < 1.0
+    doubted, verdict = correct.function(
+        belief, NOTHING, row(0.72, [1e3, 1e3], [22.0, 18.0], doubt=1.0), assumed([25.0, 30.0, 30.0], 1e6)
+    )
+    assert verdict.full().ravel()[3:].tolist() == [1, 1, 1]
+    assert abs(split(doubted)[0][PLACE[0]] + split(doubted)[0][SLOW[0]] - 1e3) < 1.0
 
 
-def test_stage_2_equals_batch_least_squares_on_a_linear_case():
-    """Straight on with the heading known exactly: one weighted least-squares problem in all states of all times."""
+def test_navigation_equals_batch_least_squares_on_a_linear_case():
+    """Straight on with all angles known exactly: one weighted least-squares problem in all states of all times."""
     rng, K, T = np.random.default_rng(5), 15, 0.05
-    process = np.array([0, 0, 4e-3, 1e-3, 0, 0.1])
-    P0 = np.diag([0, 0, 1.0, 2.0, 0.5, 0.4, 0.01, 0.02, 0, 0])
-    readings = np.column_stack([np.zeros(K), rng.normal(size=(K, 2))])
+    process, open_gates = np.array([0, 0, 4e-3, 1e-3, 0, 0.1, 0]), assumed([1e9, 1e9, 1e9])
+    known = [*PLACE, *VELOCITY, *PUSH]
+    variances, m0 = np.zeros(N), np.zeros(N)
+    variances[known], m0[HEADING] = [1.0, 2.0, 0.5, 0.4, 0.01, 0.02], 0.6
+    m0[known] = [*rng.normal(size=4), 0.02, -0.03]
+    readings = np.column_stack([np.zeros((K, 3)), rng.normal(size=(K, 2)), np.full(K, 9.81)])
     fixes = rng.normal(size=(K, 4))
-    m0 = np.array([0.6, 0, *rng.normal(size=4), 0.02, -0.03, 0, 0])
-    trust = np.concatenate([[0.04, 0.09, 1e-4], OPEN_GATES])
-    belief = ca.DM(np.concatenate([m0, packed(P0)]))
-    step, fixing = propagate, correct
+    belief = ca.DM(np.concatenate([m0, packed(np.diag(variances))]))
     for reading, fix in zip(readings, fixes, strict=True):
-        belief = step(belief, reading, T, process)
-        belief, _, _ = fixing(belief, np.append(fix, 0.6), np.zeros(4), trust, 0, np.zeros(PACKED))
+        belief = propagate(belief, reading, T, process)
+        seen = row(0.6, fix[:2], fix[2:], unit=reading, trust=(1e-4, 0.04, 0.09))
+        belief, _ = correct.function(belief, NOTHING, seen, open_gates)
     mean, P = split(belief)
-    expected, covariance = batch(m0[2:8], P0[2:8, 2:8], readings[:, 1:], fixes, 0.6, T=T)
-    assert np.allclose(mean[2:8], expected, atol=1e-8)
-    assert np.allclose(P[2:8, 2:8], covariance, atol=1e-9)
+    expected, covariance = batch(m0[known], np.diag(variances[known]), readings[:, 3:5], fixes, 0.6, T=T)
+    assert np.allclose(mean[known], expected, atol=1e-8)
+    assert np.allclose(P[np.ix_(known, known)], covariance, atol=1e-9)
 
 
 def batch(m0, P0, accelerations, fixes, psi, *, T):

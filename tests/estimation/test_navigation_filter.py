@@ -10,7 +10,7 @@ from fmukit.kernel import block
 from fmus.estimator.navigation import BELIEF, PACKED, full
 from fmus.estimator.profiles import profile
 
-SEEDS = 20
+SEEDS = 12
 ESTIMATED = {
     "position.x": "truth.position.x",
     "position.y": "truth.position.y",
@@ -25,6 +25,8 @@ PERFECT_IMU = {
     for device in ("gyroscope", "accelerometer")
     for error in ("noise_density", "turn_on_bias", "bias_walk", "scale_error", "resolution")
 }
+KNOWN = {"design.payload": 0.0, "initial.std.gyroscope_bias": 0.0, "initial.std.attitude": 1e-4}
+"""Of a filter that knows its unit to have no bias and its car to have no load."""
 PERFECT_GPS = {"position.noise": 0.0, "position.correlated_noise": 0.0, "velocity.noise": 0.0, "heading.noise": 0.0}
 
 
@@ -49,10 +51,10 @@ def runs(chain):
     return [navigate(seed, *chain, signals=signals) for seed in range(SEEDS)]
 
 
-@pytest.mark.parametrize("name, freedom", [("heading", 1), ("position", 4)])
+@pytest.mark.parametrize("name, freedom", [("heading", 1), ("position", 2), ("velocity", 2)])
 def test_innovations_are_as_large_as_the_filter_believes(runs, name, freedom):
-    means = np.array([y[f"nis.{name}"][new_fixes(y)].mean() for y in runs])
-    count = len(new_fixes(runs[0]))
+    means = np.array([y[f"nis.{name}"][new_fixes(y)[1:]].mean() for y in runs])
+    count = len(new_fixes(runs[0])) - 1
     half = 1.96 * np.sqrt(2 * freedom / count)
     assert abs(means.mean() - freedom) < half / np.sqrt(SEEDS)
     assert np.mean(np.abs(means - freedom) < half) >= 0.85
@@ -66,7 +68,7 @@ def test_errors_are_as_large_as_the_filter_believes(runs):
 
 def test_errors_are_small(runs):
     limits = {"position.x": 0.02, "position.y": 0.02, "yaw": 0.0015, "velocity.x": 0.015, "velocity.y": 0.05}
-    limits |= {"roll": 1e-3, "pitch": 6e-4}
+    limits |= {"roll": 2e-3, "pitch": 1.5e-3}
     for name, limit in limits.items():
         assert np.mean([rms(errors(y)[name][400:]) for y in runs]) < limit, name
 
@@ -85,25 +87,25 @@ def test_late_fixes_are_used_as_if_they_had_come_in_time(chain):
 def test_longest_latency_costs_accuracy_but_not_consistency(chain):
     y = navigate(5, *chain, settings={"gps": {"latency": 0.3}})
     assert y["fix.refused_count"][-1] <= 3  # taken before the filter's start
-    assert y["nis.position"][new_fixes(y)[5:]].mean() == pytest.approx(4, abs=0.6)
+    assert y["nis.position"][new_fixes(y)[5:]].mean() == pytest.approx(2, abs=0.4)
     assert rms(errors(y)["position.y"][400:]) < 0.05
 
 
 def test_lever_arms_vanish_with_perfect_sensors(chain):
     arms = {"imu.position.x": 0.9, "imu.position.y": -0.5, "imu.position.z": 0.4}
     antenna = {"antenna.position.x": -1.2, "antenna.position.y": 0.6, "antenna.position.z": 1.3}
-    settings = {"imu": PERFECT_IMU | arms, "gps": PERFECT_GPS | antenna, "filter": arms | antenna}
+    settings = {"imu": PERFECT_IMU | arms, "gps": PERFECT_GPS | antenna, "filter": arms | antenna | KNOWN}
     e = errors(navigate(1, *chain, settings=settings))
     limits = {"position.x": 1e-3, "position.y": 1e-3, "yaw": 1e-5, "velocity.x": 2e-3, "velocity.y": 2e-3}
     for name, limit in limits.items():
         assert np.max(np.abs(e[name][400:])) < limit, name
-    forgotten = settings | {"filter": arms | {"antenna.position.y": 0.0}}
+    forgotten = settings | {"filter": arms | KNOWN | {"antenna.position.y": 0.0}}
     assert np.max(np.abs(errors(navigate(1, *chain, settings=forgotten))["position.y"][400:])) > 0.1
 
 
 def test_perfect_sensors_navigate_without_any_fix(chain):
     """16 s of dead reckoning over roll, pitch, turns and braking: the equations have no term missing."""
-    settings = {"imu": PERFECT_IMU, "gps": {"outage.duration": 100.0}, "filter": {"noise.gyroscope": 1e-7}}
+    settings = {"imu": PERFECT_IMU, "gps": {"outage.duration": 100.0}, "filter": KNOWN | {"noise.gyroscope": 1e-7}}
     y = navigate(1, *chain, settings=settings)
     assert y["fix.used_count"][-1] == 0
     for name in ("position.x", "position.y"):
@@ -140,16 +142,20 @@ def test_outliers_are_refused_and_counted(chain):
     assert np.max(np.abs(errors(y)["yaw"][400:])) < 0.006
 
 
-def test_a_wrong_start_is_recovered_from(chain):
-    lost = navigate(1, *chain, settings={"filter": {"initial.position.x": 80.0, "initial.yaw": 0.5}})
-    assert lost["fix.refused_count"][-1] == pytest.approx(10, abs=1)
-    assert rms(errors(lost)["position.x"][600:]) < 0.05
+def test_a_wrong_start_that_was_trusted_is_recovered_from(chain):
+    sure = {"initial.std.position": 0.5, "initial.std.yaw": 0.02, "initial.std.velocity": 0.3}
+    lost = navigate(1, *chain, settings={"filter": sure | {"initial.position.x": 80.0, "initial.yaw": 0.5}})
+    assert lost["fix.refused_count"][-1] >= 10
+    assert rms(errors(lost)["position.x"][800:]) < 0.05
+    long = lost["fix.refused_long"] > 0.5
+    assert long.any()
+    assert lost["fix.refused_for"][long].min() > 1.0
+    assert lost["fix.refused_for"][-1] == 0
 
 
 def test_an_unknown_start_is_decided_by_the_first_fix(chain):
-    vague = {"initial.std.position": 1e5, "initial.std.yaw": 3.0, "initial.std.velocity": 100.0}
     wrong = {"initial.position.x": -3e3, "initial.position.y": 500.0, "initial.yaw": 2.5, "initial.speed": 0.0}
-    y = navigate(1, *chain, settings={"filter": vague | wrong})
+    y = navigate(1, *chain, settings={"filter": wrong})
     assert y["fix.refused_count"][-1] == 0
     assert abs(errors(y)["position.x"][100]) < 0.2
     assert abs(errors(y)["yaw"][100]) < 0.02
@@ -164,17 +170,34 @@ def test_coarser_receivers_with_matching_assumptions(chain, mode):
     outcomes = [navigate(seed, *chain, settings=settings) for seed in range(4)]
     nis = np.mean([y["nis.position"][new_fixes(y)].mean() for y in outcomes])
     ratio = np.mean([np.mean((errors(y)["position.y"] / y["std.position.y"]) ** 2) for y in outcomes])
-    assert nis == pytest.approx(4, abs=0.4)
+    assert nis == pytest.approx(2, abs=0.25)
     assert ratio < 3.0
 
 
-def test_roll_and_pitch_come_from_suspension_and_tyres(runs):
-    y = runs[0]
+def test_roll_and_pitch_come_from_suspension_and_tyres(chain):
+    """Of a car known to carry nothing."""
+    signals = truth() | suspension(truth(), 0.9 * TYRE)
+    outcomes = [navigate(k, *chain, settings={"filter": {"design.payload": 30.0}}, signals=signals) for k in range(4)]
     assert np.max(np.abs(truth()["truth.roll"])) > 0.04
-    assert np.max(np.abs(errors(y)["roll"][400:])) < 0.0025
-    assert np.max(np.abs(errors(y)["pitch"][400:])) < 0.0015
-    ratio = np.mean([np.mean((errors(r)["roll"] / r["std.roll"])[400:] ** 2) for r in runs])
-    assert ratio < 1.5
+    for y in outcomes:
+        assert np.max(np.abs(errors(y)["roll"][400:])) < 0.0025
+        assert np.max(np.abs(errors(y)["pitch"][400:])) < 0.0015
+
+
+def test_roll_and_pitch_are_as_sure_as_they_say_with_any_payload(chain):
+    """Loads of up to 300 kg anywhere in the car: their lean on the tyres and their share of the load transfer."""
+    rng, squares = np.random.default_rng(7), {"roll": [], "pitch": []}
+    for seed in range(10):
+        signals = truth() | suspension(
+            truth(), TYRE, rng.uniform(0, 300), rng.uniform([-1.6, -0.6, -0.3], [1.2, 0.6, 0.8])
+        )
+        y = navigate(seed, *chain, signals=signals)
+        for name, found in squares.items():
+            ratio = (errors(y)[name] / y[f"std.{name}"])[400:]
+            found.append(np.mean(ratio**2))
+            assert np.max(np.abs(ratio)) < 4
+    for name, found in squares.items():
+        assert 0.1 < np.mean(found) < 1.5, name  # below 1: most loads are lighter than what the filter reckons with
 
 
 def test_covariance_stays_positive_definite(chain):
@@ -204,7 +227,7 @@ def test_another_sampling_period_gives_the_same_picture(chain):
     settings = {"initial.speed": 25.0, "sample_period": 0.01}
     y = run(estimator[0], slow | inertial | satellite, settings, kernel=estimator[1])
     assert rms((y["estimate.position.y"] - slow["truth.position.y"])[200:]) < 0.025
-    assert (y | satellite)["nis.position"][new_fixes(satellite)].mean() == pytest.approx(4, abs=0.6)
+    assert (y | satellite)["nis.position"][new_fixes(satellite)].mean() == pytest.approx(2, abs=0.4)
 
 
 @pytest.mark.parametrize("periods", [(5, 10, 7), (5, 7, 5), (3, 11, 8)])
@@ -212,14 +235,14 @@ def test_periods_that_do_not_divide_each_other_stay_consistent(chain, periods):
     """Periods of imu, gps and filter in ms. A fix is then up to a period older than its receiver last said."""
     fine = truth(16.0, 0.001)
     signals = fine | suspension(fine, 0.9 * TYRE)
-    for name, freedom in (("heading", 1), ("position", 4)):
+    for name, freedom in (("heading", 1), ("position", 2), ("velocity", 2)):
         values = np.concatenate([y[f"nis.{name}"][new_fixes(y)] for y in at_periods(chain, periods, signals)])
-        assert len(values) > 500
+        assert len(values) > 300
         assert abs(values.mean() - freedom) < 3 * np.sqrt(2 * freedom / len(values)), name
 
 
 def at_periods(chain, periods, signals):
-    return [navigate_at(periods, seed, *chain, signals=signals) for seed in range(4)]
+    return [navigate_at(periods, seed, *chain, signals=signals) for seed in range(2)]
 
 
 def test_rates_and_sideslip(runs):
@@ -240,7 +263,7 @@ def test_invalid_fixes_and_standing_still_change_nothing_but_the_uncertainty(cha
         estimator.sample()
     assert estimator["fix.used_count"] == 0
     assert abs(estimator["estimate.position.x"]) < 1e-9
-    assert estimator["std.position.x"] > 0.7
+    assert estimator["std.position.x"] > 1000
 
 
 def test_profile_of_the_assumptions_is_the_default():
@@ -249,5 +272,5 @@ def test_profile_of_the_assumptions_is_the_default():
 
     declared = {v.name: v.start for v in COMPONENT.interface.select("parameter")}
     assert all(declared[name] == value for name, value in starts.items())
-    with pytest.raises(ValueError, match="automotive, tactical"):
+    with pytest.raises(ValueError, match="automotive, mems, tactical"):
         profile(imu="space")

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import casadi as ca
+
 from fmukit.component import Component
-from fmukit.interface import Advice, output, parameter, sampled
+from fmukit.interface import Advice, input_, output, parameter, sampled
 from fmukit.kernel import Kernel, Parts, Signals, sampled_kernel
 
 INTERFACE = sampled(
@@ -13,6 +15,7 @@ INTERFACE = sampled(
     variables=[
         parameter("threshold", "m", "threshold", 2.0, minimum=0.0),
         parameter("limit.low", "m", "what is low", 1.5),
+        input_("bar", "m", "what makes it low as well"),
         output("low", "1", "1 while the threshold is low, else 0"),
     ],
     advice=[Advice("low", "threshold = {threshold} is 100 % below {limit.low}; raise it")],
@@ -21,8 +24,8 @@ COMPONENT = Component(INTERFACE, "demo_advice")
 
 
 def kernel() -> Kernel:
-    return sampled_kernel(INTERFACE, initialise=lambda p: ({}, {}, low(p)), sample=lambda p: ({}, low(p)))
+    return sampled_kernel(INTERFACE, initialise=lambda p, u: ({}, {}, low(p, u)), sample=lambda p, u: ({}, low(p, u)))
 
 
-def low(p: Signals) -> Parts:
-    return {"low": p["threshold"] < p["limit.low"]}
+def low(p: Signals, u: Signals) -> Parts:
+    return {"low": p["threshold"] < ca.fmax(p["limit.low"], u["bar"])}

@@ -237,7 +237,10 @@ _REGIMES = {
         {"initial.speed": SPEED},
     ),
     "NavigationFilter": Regime(
-        0.4, {"fix.used_count": 2.0, "nis.position": 1e-6, "nis.heading": 1e-6}, _filter, {"initial.speed": SPEED}
+        0.4,
+        {"fix.used_count": 2.0, "nis.position": 1e-6, "nis.velocity": 1e-6, "nis.heading": 1e-6},
+        _filter,
+        {"initial.speed": SPEED},
     ),
     "ReferenceTrajectory": Regime(
         0.8, {"reference.curvature": 1e-3, "reference.acceleration": 1.0, "reference.x": 10.0}, parameters=_AT_ONCE

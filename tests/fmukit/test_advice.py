@@ -36,6 +36,20 @@ def test_advice_is_given_once_and_the_run_goes_on(instance: Instance) -> None:
     assert (instance["low"], instance.messages) == (1.0, [WARNING])
 
 
+def test_advice_that_begins_to_apply_during_the_run_is_given_then(instance: Instance) -> None:
+    instance.initialise({"threshold": 2.0})
+    assert instance.step(1e-2)
+    instance.set({"bar": 3.0})
+    assert instance.messages == []
+    assert all(instance.step(1e-2) for _ in range(3))
+    assert instance.messages == [WARNING.replace("1.25", "2")]
+    instance.set({"bar": 0.0})
+    assert instance.step(1e-2)
+    instance.set({"bar": 3.0})
+    assert instance.step(1e-2)
+    assert instance.messages == 2 * [WARNING.replace("1.25", "2")]
+
+
 def test_no_advice_where_it_does_not_apply(instance: Instance) -> None:
     instance.initialise()
     assert instance.step(1e-2)

@@ -44,7 +44,7 @@ def test_manoeuvre_is_really_driven(scenario_run) -> None:
 
 def test_innovations_are_consistent_over_twenty_seeds(scenario_run) -> None:
     """Mean normalised innovation squared of both stages inside n +- 1.96 sqrt(2 n / K), K fixes of all runs."""
-    for name, n in (("filter.nis.heading", 1), ("filter.nis.position", 4)):
+    for name, n in (("filter.nis.heading", 1), ("filter.nis.position", 2), ("filter.nis.velocity", 2)):
         values = np.concatenate([new_fixes(scenario_run(NAME, seed=seed).results, name) for seed in MANY_SEEDS])
         assert len(values) > 150 * len(MANY_SEEDS)
         assert abs(values.mean() - n) <= 1.96 * math.sqrt(2 * n / len(values))
@@ -72,7 +72,7 @@ def test_leads_matter(scenario_run) -> None:
 
 @pytest.mark.parametrize("period", ["filter.sample_period=0.007", "gps.sample_period=0.007"])
 def test_periods_that_do_not_divide_keep_the_filter_consistent(scenario_run, period) -> None:
-    for name, n in (("filter.nis.heading", 1), ("filter.nis.position", 4)):
+    for name, n in (("filter.nis.heading", 1), ("filter.nis.position", 2), ("filter.nis.velocity", 2)):
         values = np.concatenate([new_fixes(scenario_run(NAME, period, seed=seed).results, name) for seed in range(4)])
         assert abs(values.mean() - n) <= 3 * math.sqrt(2 * n / len(values))
 

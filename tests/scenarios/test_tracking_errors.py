@@ -37,7 +37,8 @@ def columns():
         "filter.estimate.position.y": place[:, 1] - 0.04,
         "filter.estimate.yaw": zero + COURSE + 0.01 - 2.0 * np.pi + 0.002,
         "filter.nis.heading": fix,
-        "filter.nis.position": zero + 4.0,
+        "filter.nis.position": zero + 2.0,
+        "filter.nis.velocity": zero + 1.5,
         "gps.gps.fix_count": fix,
         "llc.saturation.drive": ((TIME > 0.2) & (TIME <= 0.25) | (TIME > 0.5) & (TIME <= 0.8)).astype(float),
         "llc.saturation.steering": zero,
@@ -70,7 +71,8 @@ def test_errors_are_those_at_the_reference_instants(results):
 def test_each_fix_counts_once(results):
     metrics = {name: metric.value for name, metric in tracking_metrics(results, None).items()}
     assert metrics["nis_heading_mean"] == pytest.approx(np.mean(range(1, 10)))
-    assert metrics["nis_position_mean"] == pytest.approx(4.0)
+    assert metrics["nis_position_mean"] == pytest.approx(2.0)
+    assert metrics["nis_velocity_mean"] == pytest.approx(1.5)
 
 
 def test_saturation_to_the_very_end():

@@ -17,6 +17,9 @@ def _truth() -> list[Variable]:
     ]
 
 
+_PARTS = {"position": "m", "velocity": "m/s", "heading": "rad"}
+
+
 def gps_bus(make: Callable[..., Variable]) -> list[Variable]:
     """The receiver's signals, made with `make` (`input_` or `output`)."""
     return [
@@ -27,13 +30,25 @@ def gps_bus(make: Callable[..., Variable]) -> list[Variable]:
         make(
             "gps.time", "s", "instant at which the newest reported fix was taken, counted from the start; 0 before any"
         ),
+        make("gps.velocity_delay", "s", "how much before gps.time the velocity of that fix was taken"),
         make("gps.valid", "1", "1 while the newest due fix was good, 0 before the first and while fixes are lost"),
+        *(_there(make, part) for part in _PARTS),
+        *(
+            make(f"gps.{part}_accuracy", unit, f"standard deviation of the {part}, slow errors included; 0: not told")
+            for part, unit in _PARTS.items()
+        ),
     ]
+
+
+def _there(make: Callable[..., Variable], part: str) -> Variable:
+    """An input nobody connects says that the part is there."""
+    options = {"start": 1.0} if make is input_ else {}
+    return make(f"gps.{part}_valid", "1", f"1 while the newest reported fix has a {part}", **options)
 
 
 INTERFACE = sampled(
     "GpsReceiver",
-    "Dual-antenna satellite receiver: position, velocity and heading with noise, latency, outages and lever arm",
+    "Satellite receiver: position, velocity and heading with noise, accuracy, latency, outages and lever arm",
     step=0.010,
     variables=[
         *load_parameters(Path(__file__).with_name("parameters.toml")),
