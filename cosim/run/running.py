@@ -24,6 +24,7 @@ from cosim.run.claim import claimed
 from cosim.run.interrupts import interrupts
 from cosim.run.prepare import RunPlan, plan
 from cosim.run.request import Request
+from cosim.scenario.metric import Metrics
 from fmukit.errors import because
 
 OVERVIEW = "overview.png"
@@ -121,10 +122,13 @@ def _concluded(made: RunPlan, outcome: Outcome) -> Finished:
     """The results read back and measured, and the summary, which is written beside them."""
     request, configured = made.request, made.configured
     results = load_results(request.folder, _facts(made))
+    metrics: Metrics = {}
     try:
-        metrics = configured.work.metrics(results, configured.prepared) if len(results.time) > 1 else {}
+        if len(results.time) > 1:
+            metrics = configured.work.metrics(results, configured.prepared)
+            outcome = _judged(outcome, configured.work.failure(results, configured.prepared))
     except Exception as error:  # code of the scenario's author, after a run whose results are good
-        metrics, outcome = {}, _unmeasured(outcome, error)
+        outcome = _unmeasured(outcome, error)
     about = (request.scenario.name, request.seed, outcome, made.nodes, made.provenance, metrics)
     summary = summarise(*about, request.interval, request.unrecorded)
     try:
@@ -133,6 +137,11 @@ def _concluded(made: RunPlan, outcome: Outcome) -> Finished:
         sentence = f"{request.folder / SUMMARY} cannot be written: {because(error)}"
         summary = replace(summary, status="failed", reason="; ".join(filter(None, [summary.reason, sentence])))
     return Finished(made, summary, results)
+
+
+def _judged(outcome: Outcome, failure: str) -> Outcome:
+    """The outcome in the eyes of its scenario, whose sentence says why the run failed, if it did."""
+    return replace(outcome, status="failed", reason=failure) if failure and outcome.status == "ok" else outcome
 
 
 def _unmeasured(outcome: Outcome, error: Exception) -> Outcome:

@@ -7,6 +7,7 @@ work, in this order:
     system = build(settings, prepared)          instances and wires
     prepared = complete(configuration, prepared)    what follows from the values the user set, as defaults of others
     metrics(results, prepared)                  what the run is worth
+    failure(results, prepared)                  why it failed all the same, one sentence, or nothing
     draw(results, prepared, file, title)        its picture
 
 `prepared` is of the scenario's own type; all later steps get the same object, so nothing is worked out twice.
@@ -65,6 +66,10 @@ def _as_it_is(_configuration: Configuration, prepared: Any) -> Any:
     return prepared
 
 
+def _none(_results: Results, _prepared: Any) -> str:
+    return ""
+
+
 def _no_metrics(_results: Results, _prepared: Any) -> Metrics:
     return {}
 
@@ -73,14 +78,16 @@ def _no_metrics(_results: Results, _prepared: Any) -> Metrics:
 class Work:
     """What a scenario does, step by step (see the module).
 
-    `picture` is the dotted name of the module with `draw(results, prepared, file, title)`, imported only when there is
-    something to draw; without it there is no picture.
+    A run that went well all the same has the status "failed" when `failure` has a sentence for it. `picture` is the
+    dotted name of the module with `draw(results, prepared, file, title)`, imported only when there is something to
+    draw; without it there is no picture.
     """
 
     build: Callable[[Settings, Any], System]
     prepare: Callable[[Settings], Any] = _nothing
     complete: Callable[[Configuration, Any], Any] = _as_it_is
     metrics: Callable[[Results, Any], Metrics] = _no_metrics
+    failure: Callable[[Results, Any], str] = _none
     picture: str | None = None
 
     def draw(self, results: Results, prepared: Any, file: Path, title: str) -> None:

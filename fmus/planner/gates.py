@@ -15,6 +15,8 @@ from .errors import PlanningError
 Array = NDArray[np.float64]
 _PART = 0.9
 """How near to the crossing with their neighbours gates may reach."""
+_LOST = 0.5
+"""Part of the width inside a bend that must be left."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,17 +52,15 @@ def checked(gates: Gates) -> Gates:
     for edge in (gates.low, gates.high):
         ahead = steps[:, 0] - turn * edge[1:]
         if (ahead <= 0).any():
-            k = int(np.argmin(ahead))
-            x, y = gates.frames[k, :2]
-            raise PlanningError(
-                f"the road turns too sharply for its width near x = {x:.1f} m, y = {y:.1f} m, "
-                f"{_along(gates, k):.0f} m along it; narrow it there, smooth the centre line or take fewer intervals"
-            )
+            raise _too_sharp(gates, int(np.argmin(ahead)))
     return gates
 
 
 def uncrossed(gates: Gates) -> Gates:
-    """Gates whose parts inside the road do not cross from one to the next: on the inside of sharp bends less of it."""
+    """Gates whose parts inside the road do not cross from one to the next: on the inside of sharp bends less of it.
+
+    Raises PlanningError where half of the inside would be lost: that is no width of a road.
+    """
     low, high, steps = gates.low.copy(), gates.high.copy(), gates.steps
     turn = np.sin(steps[:, 2])
     with np.errstate(divide="ignore"):
@@ -70,6 +70,8 @@ def uncrossed(gates: Gates) -> Gates:
         most = np.minimum(np.append(inside, np.inf), np.append(np.inf, inside))
         if gates.closed:
             most[[0, -1]] = most[[0, -1]].min()
+        if (most < _LOST * side * edge).any():
+            raise _too_sharp(gates, int(np.argmax(side * edge / most)))
         edge[:] = side * np.minimum(side * edge, most)
     return Gates(gates.frames, low, high, gates.closed)
 
@@ -84,6 +86,14 @@ def check_widths(gates: Gates) -> None:
             f"the corridor is narrower than the car by {-width[k]:.2f} m near x = {x:.1f} m, y = {y:.1f} m, "
             f"{_along(gates, k):.0f} m along the road; widen it or reduce the clearance"
         )
+
+
+def _too_sharp(gates: Gates, k: int) -> PlanningError:
+    x, y = gates.frames[k, :2]
+    return PlanningError(
+        f"the road turns too sharply for its width near x = {x:.1f} m, y = {y:.1f} m, "
+        f"{_along(gates, k):.0f} m along it; narrow it there, smooth the centre line or take fewer intervals"
+    )
 
 
 def _along(gates: Gates, k: int) -> float:

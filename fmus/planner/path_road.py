@@ -34,6 +34,13 @@ class PathRoad:
         check_widths(self.across())
         return checked(self._across(_even(curve, s, m)))
 
+    def unrolled(self) -> PathRoad:
+        """One lap of a closed road as an open one; an open road itself."""
+        if not self.closed:
+            return self
+        points, widths = (np.vstack([rows, rows[:1]]) for rows in (self.points, self.widths))
+        return PathRoad(points, widths, self.clearance)
+
     def across(self) -> Gates:
         """Gates at its own points, unchecked."""
         return self._across(self.curve()[1])

@@ -6,7 +6,7 @@ from cosim.model.configuration import Configuration
 from cosim.model.system import System
 from cosim.scenario.definition import Work
 from cosim.scenario.settings import Settings
-from scenarios.arbitrary_path.metrics import arbitrary_path_metrics
+from scenarios.arbitrary_path.metrics import arbitrary_path_metrics, given_up
 from scenarios.arbitrary_path.road import LaidRoad, half_width, lay
 from scenarios.shared.sensors import TRUE_STATES
 from scenarios.shared.start import Offset, beside, start_at
@@ -60,5 +60,6 @@ WORK = Work(
     build=build,
     complete=complete,
     metrics=arbitrary_path_metrics,
+    failure=given_up,
     picture="scenarios.arbitrary_path.picture",
 )

@@ -17,7 +17,8 @@ from scenarios.shared.mpc_metrics import mpc_metrics
 from scenarios.shared.statistics import peak
 from scenarios.shared.tables import read_columns
 
-PLANNING = 0.0
+PLANNING, GIVEN_UP = 0.0, 2.0
+_INSET = 0.3  # [m], by which gates may be narrower than the road
 _ROUNDED = 1e-6  # [m/s], of speeds in a trajectory file
 _LOG = logging.getLogger("cosim")
 
@@ -34,6 +35,7 @@ def arbitrary_path_metrics(results: Results, laid: LaidRoad) -> Metrics:
         "problems": Metric(last(results, "problem.count")),
         "problems_failed": Metric(last(results, "problem.failed")),
         "fallbacks": Metric(last(results, "fallback.count")),
+        "planner_gave_up": Metric(float(last(results, "plan.phase") == GIVEN_UP)),
         "solver_iterations_max": Metric(peak(results.samples("planner", "solver.iterations"))),
         "planned_ahead_min": Metric(planned_ahead(results), "s"),
         **joints(results),
@@ -42,20 +44,35 @@ def arbitrary_path_metrics(results: Results, laid: LaidRoad) -> Metrics:
     }
 
 
+def given_up(results: Results, laid: LaidRoad) -> str:
+    """What became of a run whose planner gave up; empty if it did not."""
+    if last(results, "plan.phase") != GIVEN_UP:
+        return ""
+    phase, status = results.samples("planner", "plan.phase"), last(results, "solver.status")
+    when = results.time[results.instants("planner")][int(np.argmax(phase == GIVEN_UP))]
+    return (
+        f"the planner gave up at {when:.1f} s: {last(results, 'plan.distance'):.0f} m along the road, of "
+        f"{laid.gates.at[-1]:.0f} m, a local problem had no solution (solver.status {status:.0f}), and the car was "
+        "braked to a stop; give the car more force, another start or a smaller planner.road.spacing"
+    )
+
+
 def crossing(results: Results, laid: LaidRoad) -> tuple[int, float]:
     """The first row after O1 crossed the last gate inside the road, and when [s], linear between two rows.
 
-    All rows and NaN where it did not, or there is no last gate because the road is closed.
+    On a closed road, the first gate after half a lap at least. All rows and NaN where it did not.
     """
     gates = laid.gates
     x, y, heading = gates.frames[-1]
     away = np.column_stack([results["plant.position.x"] - x, results["plant.position.y"] - y])
     c, s = np.cos(heading), np.sin(heading)
     ahead, left = c * away[:, 0] + s * away[:, 1], c * away[:, 1] - s * away[:, 0]
-    more = laid.parameters["road.clearance"] - laid.half_width
+    more = laid.parameters["road.clearance"] - laid.half_width + _INSET
     inside = (left >= gates.low[-1] - more) & (left <= gates.high[-1] + more)
     crossed = (ahead[:-1] < 0) & (ahead[1:] >= 0) & inside[1:]
-    if gates.closed or not crossed.any():
+    if gates.closed:
+        crossed &= np.cumsum(np.hypot(*np.diff(away, axis=0).T)) > 0.5 * gates.at[-1]
+    if not crossed.any():
         return len(ahead), math.nan
     rows = int(np.argmax(crossed)) + np.arange(2)
     return int(rows[1]), float(np.interp(0.0, ahead[rows], results.time[rows]))
@@ -64,10 +81,8 @@ def crossing(results: Results, laid: LaidRoad) -> tuple[int, float]:
 def optimal_time(laid: LaidRoad) -> float:
     """End time [s] of the global optimum; NaN, and why in the log, where there is none to compare with."""
     try:
-        if laid.gates.closed:
-            raise CosimError("a closed road has no end")
         end = {name: float(column[-1]) for name, column in read_columns(str(laid.optimum()), REFERENCE).items()}
-        if end["speed"] > laid.parameters["end.speed"] + _ROUNDED:
+        if not laid.gates.closed and end["speed"] > laid.parameters["end.speed"] + _ROUNDED:
             raise CosimError(f"it would pass the end at {end['speed']:.1f} m/s, faster than planner.end.speed")
     except CosimError as error:
         _LOG.info("optimum_time is unknown: %s", error)

@@ -17,7 +17,8 @@ from fmus.planner.path_road import PathRoad
 from fmus.planner.program import standing_ends
 from fmus.planner.receding import built_in, offline, road, run
 from fmus.planner.receding.interface import INTERFACE as PLANNER
-from scenarios.shared.plans import planned
+from fmus.planner.receding.layout import HORIZON
+from scenarios.shared.plans import planned, planned_along
 from scenarios.shared.start import Point
 from scenarios.shared.tables import read_columns
 
@@ -42,15 +43,19 @@ class LaidRoad:
         return replace(self.path, clearance=self.half_width)
 
     def optimum(self) -> Path:
-        """The time-optimal motion with car, limits and gates of the planner, as a trajectory file from the cache.
+        """The time-optimal motion with car and limits of the planner, as a trajectory file from the cache.
 
-        It starts anywhere across the road and ends at any speed. Raises CosimError when there is none.
+        It starts anywhere across the road and ends at any speed, after one lap if the road is closed: on the gates of
+        the planner on the built-in road, on a mesh that follows the road on others. Raises CosimError when there is
+        none.
         """
         p = self.parameters
         ends = standing_ends(p["initial.speed"])
         ends.first[4] = p["initial.heading"]
         kept = replace(self.path, clearance=p["road.clearance"])
-        return planned("arbitrary-path", offline.same_limits(p), kept, self.gates.last, ends)
+        if self.gates.horizon == HORIZON:
+            return planned("arbitrary-path", offline.same_limits(p), kept, self.gates.last, ends)
+        return planned_along("arbitrary-path", offline.same_limits(p), kept.unrolled(), ends)
 
 
 def half_width(configuration: Configuration) -> float:
@@ -61,16 +66,17 @@ def half_width(configuration: Configuration) -> float:
 def lay(configuration: Configuration) -> LaidRoad:
     """The road of the instance `planner`; raises CosimError saying what is wrong with its file or its values."""
     parameters = configuration.values("planner")
-    rows = _rows(str(parameters["road_file"]))
+    table = _table(str(parameters["road_file"]))
     try:
-        gates = road.read(parameters, rows.tolist())
+        gates = road.read(parameters, table.tolist())
         x, y, speed, _, yaw, *_ = run.start(parameters, gates).x[0].tolist()
     except (ValueError, PlanningError) as error:
         raise CosimError(f"planner: {error}") from None
+    rows = table if len(table) else built_in.rows()
     path = PathRoad(rows[:, :2], rows[:, 2:], 0.0, bool(parameters["road.closed"]))
     return LaidRoad(parameters, gates, Point(x, y, yaw, speed), path, half_width(configuration))
 
 
-def _rows(file: str) -> Vector:
-    """x, y and widths to the left and to the right (n, 4) [m] of the road file, of the built-in road without one."""
-    return np.column_stack(list(read_columns(file, PLANNER).values())) if file else built_in.rows()
+def _table(file: str) -> Vector:
+    """x, y and widths to the left and to the right (n, 4) [m] of the road file; no rows without one."""
+    return np.column_stack(list(read_columns(file, PLANNER).values())) if file else np.zeros((0, 4))

@@ -14,17 +14,22 @@ from hashlib import blake2b
 from importlib.metadata import version
 from pathlib import Path
 
+import numpy as np
+
 import fmus
 from cosim.errors import CosimError
 from fmukit import store
 from fmukit.errors import BuildError, because
 from fmus.planner import hocp, trajectory
+from fmus.planner.adaptive import planning
 from fmus.planner.errors import PlanningError
 from fmus.planner.hocp import Plan, Road
+from fmus.planner.path_road import PathRoad
 from fmus.planner.program import Ends
 from fmus.planner.vehicle import Vehicle
 
 _KINDS = {".py", ".toml"}
+_SETTINGS = hocp.PlanSettings(grid="gate", compile=False)
 _LOG = logging.getLogger("cosim")
 
 
@@ -33,15 +38,25 @@ def planned(name: str, vehicle: Vehicle, road: Road, m: int, ends: Ends | None =
 
     `name` begins the file's name. Raises CosimError when there is no such motion or it cannot be kept.
     """
-    settings = hocp.PlanSettings(grid="gate", compile=False)
+    parts = [*_of_vehicle(vehicle), *_of_road(road, m), *_of_ends(ends), repr(_SETTINGS)]
+    return _made(name, parts, lambda: hocp.plan(vehicle, road, m, ends, _SETTINGS))
 
+
+def planned_along(name: str, vehicle: Vehicle, road: PathRoad, ends: Ends) -> Path:
+    """The same on a mesh that follows the road."""
+    numbers = (road.points, road.widths, np.array([road.clearance, road.closed]))
+    parts = [*_of_vehicle(vehicle), *(array.tobytes() for array in numbers), *_of_ends(ends), repr(_SETTINGS)]
+    return _made(name, parts, lambda: planning.plan(vehicle, road, ends, _SETTINGS))
+
+
+def _made(name: str, parts: list[str | bytes], plan: Callable[[], Plan]) -> Path:
     def make(file: Path) -> None:
-        plan = hocp.plan(vehicle, road, m, ends, settings)
-        _LOG.info("planned %s: %.3f s, %d iterations, %s", name, plan.final_time, plan.iterations, _worth(plan))
-        trajectory.write(plan, file)
+        found = plan()
+        _LOG.info("planned %s: %.3f s, %d iterations, %s", name, found.final_time, found.iterations, _worth(found))
+        trajectory.write(found, file)
 
     try:
-        return kept(name, [*_of_vehicle(vehicle), *_of_road(road, m), *_of_ends(ends), repr(settings)], make)
+        return kept(name, parts, make)
     except PlanningError as error:
         raise CosimError(f"{name} cannot be planned: {error}") from error
 

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from circuits import circuit, two_hairpins
 from scipy.integrate import solve_ivp
 from scipy.spatial import cKDTree
 from test_infeasible import hairpin
@@ -23,6 +22,7 @@ from fmus.planner.path_road import PathRoad
 from fmus.planner.planned_cars import CARS
 from fmus.planner.program import standing_ends
 from fmus.planner.vehicle import two_wheel_drive
+from tests.references.circuits import circuit, two_hairpins
 
 CAR = two_wheel_drive(single_track())
 
@@ -177,5 +177,5 @@ def test_only_what_was_shown_is_blamed() -> None:
 
 
 def test_folded_edges_are_refused() -> None:
-    with pytest.raises(PlanningError, match=r"turns too sharply for its width .* times as far as the middle"):
+    with pytest.raises(PlanningError, match=r"turns too sharply for its width near x = .* m along it"):
         planning.plan(CAR, PathRoad(hairpin(4.0, 2.0).points, np.full((len(hairpin(4.0, 2.0).points), 2), 14.0)))

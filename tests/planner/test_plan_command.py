@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from circuits import circuit
 
 from cosim.command.main import main as cosim
 from fmus.command.main import main
 from fmus.planner import plans
 from fmus.planner.path_road import PathRoad
+from tests.references.circuits import circuit
 
 
 def run(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,12 @@ import pytest
 from scenario_types import Configured, Run
 
 from cosim.errors import CosimError
+from cosim.model.system import parse_assignments
+from cosim.run.request import Request
+from cosim.run.running import run
+from cosim.scenario.discovery import load
+from fmus.planner.path_road import PathRoad
+from tests.references.circuits import circuit
 
 NAME = "arbitrary-path"
 
@@ -98,3 +105,36 @@ def test_the_plan_leaves_room_and_grip_unless_told_otherwise(configured: Configu
 def test_the_picture_is_drawn(scenario_run: Run, tmp_path: Path) -> None:
     scenario_run(NAME).draw(tmp_path / "overview.png")
     assert (tmp_path / "overview.png").stat().st_size > 50_000
+
+
+def _road(road: PathRoad, file: Path) -> str:
+    rows = np.column_stack([road.points, road.widths])
+    np.savetxt(file, rows, delimiter=",", header="x,y,width_left,width_right", comments="")
+    return f"planner.road_file={file}"
+
+
+def test_a_planner_that_gives_up_fails_the_run(tmp_path: Path) -> None:
+    """At 45 m/s, 40 m before a hairpin of 15 m: no plan, and the run says so."""
+    angle = np.linspace(0, np.pi, 12)
+    hairpin = np.column_stack([40 + 15 * np.sin(angle), 15 * (1 - np.cos(angle))])
+    points = np.vstack([[[0, 0], [10, 0], [20, 0], [30, 0]], hairpin])
+    assignments = [_road(PathRoad(points, np.full((16, 2), 3.0)), tmp_path / "road.csv"), "planner.initial.speed=45"]
+    request = Request(load(NAME), tmp_path / "out", parse_assignments(assignments), stop_time=1.0)
+    summary = run(request).summary
+    assert summary.status == "failed" and summary.metrics["planner_gave_up"].value == 1
+    assert re.match(r"the planner gave up at 0\.0 s: .* m along the road, of 8\d m, a local problem", summary.reason)
+
+
+@pytest.mark.nightly
+def test_lap_of_a_closed_road_as_published(tmp_path: Path) -> None:
+    """The metrics belong to the road that ran: its lap, its optimum, its corridor."""
+    road = circuit("chicane")
+    rows = np.column_stack([road.points, road.widths[:, ::-1]])
+    file = tmp_path / "track.csv"
+    np.savetxt(file, rows, delimiter=",", header="x_m,y_m,w_tr_right_m,w_tr_left_m", comments="# ")
+    assignments = [f"planner.road_file={file}", "planner.road.closed=true", "planner.initial.speed=12"]
+    metrics = run(Request(load(NAME), tmp_path / "out", parse_assignments(assignments), stop_time=60.0)).summary.metrics
+    assert metrics["problems_failed"].value == metrics["planner_gave_up"].value == 0
+    assert metrics["final_time"].value == pytest.approx(metrics["final_time_planned"].value, abs=0.1)
+    assert 0.99 <= metrics["optimum_ratio"].value <= 1.05
+    assert metrics["corridor_violation_max"].value <= 0.05

@@ -24,8 +24,6 @@ from fmus.planner.vehicle import Vehicle
 
 _COARSE, _FINE = (0.6, 8), (1.5, 4)
 """Fineness and substeps of the meshes on which a search is repeated: from a plan on the coarse one on the fine one."""
-_FOLDED = 2.0
-"""Width inside a bend, in radii of the bend, above which it is no width of a road."""
 _WIDER = 1.0
 """By so much [m] a road is widened to either side to see whether its width is the matter."""
 _REMEDY_ITERATIONS = 200
@@ -89,21 +87,8 @@ def _any_ends() -> Ends:
 def _task(vehicle: Vehicle, road: PathRoad, ends: Ends, settings: PlanSettings, least: int) -> _Task:
     check_widths(road.across())
     line = smooth_line(road)
-    _check_folds(line)
     v = profile(line.s, line.curvature, vehicle.upper[2], ends.first[2], closed=line.closed)
     return _Task(vehicle, road, ends, settings, line, np.clip(v, vehicle.lower[2], None), least)
-
-
-def _check_folds(line: Line) -> None:
-    """Raise PlanningError where an edge folds: its inside is far beyond the middle of the bend."""
-    k = int(np.argmax(np.maximum(line.curvature * line.left, -line.curvature * line.right)))
-    fold = max(line.curvature[k] * line.left[k], -line.curvature[k] * line.right[k])
-    if fold > _FOLDED:
-        x, y = line.points[k]
-        raise PlanningError(
-            f"the road turns too sharply for its width near x = {x:.1f} m, y = {y:.1f} m, {line.s[k]:.0f} m along it: "
-            f"its inner edge is {fold:.1f} times as far as the middle of the bend; narrow it there or smooth the line"
-        )
 
 
 def _searched(task: _Task, made: Mesh) -> Found:

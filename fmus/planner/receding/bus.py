@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from . import limits
 from .layout import AHEAD, PERIOD
 from .memory import BRAKED, RollingPlan
 from .search import Tools, constants
@@ -32,7 +33,7 @@ def samples(tools: Tools, p: Mapping[str, Any], plan: RollingPlan, times: Array)
     course = moved[:, 3] + moved[:, 4]
     inside = np.column_stack([moved[:, :2], course, moved[:, 2], moved[:, 7:]])
     x = plan.x[-1]
-    rate, bend = (p["speed.braking"], plan.bend) if plan.phase == BRAKED else (p["end.deceleration"], 0.0)
+    rate, bend = (limits.braking(p), plan.bend) if plan.phase == BRAKED else (p["end.deceleration"], 0.0)
     outside = onward(np.array([x[0], x[1], x[3] + x[4], x[2]]), rate, bend, np.maximum(times - plan.end, 0.0))
     return np.where((times < plan.end)[:, None], inside, outside)
 

@@ -88,13 +88,19 @@ def _solved(rows: NDArray[Any], columns: NDArray[Any], values: Array, right: Arr
     return np.asarray(ca.solve(matrix, ca.DM(right), "csparse").full())
 
 
-def even(curve: Spline, spacing: float) -> tuple[Array, float]:
+def even(curve: Spline, spacing: float) -> tuple[Array, Array]:
     """Parameters at equal arc lengths, as close to `spacing` [m] as a whole number of intervals (2 at least) allows.
 
-    And this arc length [m].
+    And these distances [m] along the curve.
     """
+    dense, length = measured(curve, spacing)
+    count = max(2, round(length[-1] / spacing))
+    at = np.linspace(0, length[-1], count + 1)
+    return np.interp(at, length, dense), at
+
+
+def measured(curve: Spline, spacing: float) -> tuple[Array, Array]:
+    """Parameters close together, and the arc lengths [m] there."""
     s = curve.s
     dense = np.linspace(s[0], s[-1], _DENSE * max(round(s[-1] / spacing), len(s)))
-    length = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(curve(dense), axis=0).T))])
-    count = max(2, round(length[-1] / spacing))
-    return np.interp(np.linspace(0, length[-1], count + 1), length, dense), float(length[-1]) / count
+    return dense, np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(curve(dense), axis=0).T))])

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import product
 from typing import Any
 
 import numpy as np
 
 from ..gates import Gates
+from . import limits
 from .guess import guess
-from .layout import AHEAD
+from .layout import AHEAD, LONG
 from .memory import BRAKED, ENDED, PLANNING, RollingPlan, Tail
 from .road import GatedRoad
 from .search import Ahead, Array, LocalSolution, Tools, constants, search
@@ -20,6 +22,10 @@ TAIL, SOFT, BRAKE = 1, 2, 3
 """Fallbacks: the rest of the last problem, a softened problem, braking to a stop."""
 _SETTLED = np.array([0.01, 0.02, 0.01, 0.01])
 """Sideslip [rad], yaw rate [rad/s], steering angle and course to the road [rad] of a car that goes straight on."""
+_SLOWER = (1.0, 0.8, 0.6)
+"""Parts of the last speed to search with: close to its limit some searches do not end."""
+_ROUNDED = 1e-6
+"""[m]."""
 NO_TAIL = Tail(np.zeros((0, 7)), np.zeros((0, 3)), np.zeros(0))
 
 
@@ -65,30 +71,46 @@ def fastest(horizon: int, p: Mapping[str, Any], road: GatedRoad, gate: int) -> A
 
     Where the sight ends the car must be able to crawl, at the end of the road the speed is at most `end.speed`.
     """
-    accept, braking = int(p["horizon.accept"]), p["speed.braking"]
-    seen = max(int(p["road.sight"] / road.spacing), horizon) + 1
+    accept, braking = int(p["horizon.accept"]), limits.braking(p)
+    seen = max(_in_sight(road, gate, p["road.sight"]), horizon) + 1
     left = max(road.last - gate + 1, 1)
     ends = not road.closed and left <= seen
     count = left if ends else seen
     end = p["end.speed"] if ends else SLOWEST
-    v = profile(road.curvatures(gate, count), road.spacing, p["speed.lateral"], braking, end)
+    at = road.distances(gate, max(count, horizon + accept + 1))
+    v = profile(road.curvatures(gate, count), np.diff(at[:count]), limits.lateral(p), braking, end)
     v = np.concatenate([v, np.full(max(horizon + accept + 1 - count, 0), v[-1])])
     bounds = np.full(horizon + 1, p["limit.speed"])
     if ends:
         bounds[left - 1 :] = np.minimum(bounds[left - 1 :], end)
-    next_start = within_horizon(v[horizon + accept], horizon * road.spacing, braking)
-    bounds[accept] = min(bounds[accept], next_start)
+    if horizon < LONG:  # else what is left of the problem, and the profile beyond it, are a way for the next one
+        next_start = within_horizon(v[horizon + accept], at[horizon + accept] - at[accept], braking)
+        bounds[accept] = min(bounds[accept], next_start)
     bounds[horizon] = min(bounds[horizon], v[horizon])
     return bounds
 
 
+def _in_sight(road: GatedRoad, gate: int, sight: float) -> int:
+    """Gates within `sight` [m] after the gate."""
+    most = len(road.at) if not road.closed else road.last * (1 + int(sight / road.at[-1])) + 1
+    away = road.distances(gate, most) - road.distances(gate, 1)[0]
+    return int(np.searchsorted(away, sight + _ROUNDED, side="right")) - 1
+
+
 def _hard(tools: Tools, p: Mapping[str, Any], ahead: Ahead, tail: Tail) -> LocalSolution:
-    """The problem as it is; when the search from the tail ends without a solution, once more from the road."""
-    found = search(tools, p, ahead, guess(ahead, tail, 0.2 * p["limit.rear_drive"]))
-    if found.solved or not len(tail.T):
-        return found
-    again = search(tools, p, ahead, guess(ahead, NO_TAIL, 0.2 * p["limit.rear_drive"]))
-    return replace(again, iterations=again.iterations + found.iterations, time=again.time + found.time)
+    """The problem as it is; else once more from the road, and then to slower ends, whose solutions serve as well.
+
+    Iterations and times are those of all searches.
+    """
+    tails = (tail, NO_TAIL) if len(tail.T) else (NO_TAIL,)
+    iterations, time = 0, 0.0
+    for part, begin in product(_SLOWER, tails):
+        way = replace(ahead, fastest=np.append(ahead.fastest[:-1], part * ahead.fastest[-1]))
+        found = search(tools, p, way, guess(way, begin, 0.2 * p["limit.rear_drive"]))
+        iterations, time = iterations + found.iterations, time + found.time
+        if found.solved:
+            break
+    return replace(found, iterations=iterations, time=time)
 
 
 def _accepted(p: Mapping[str, Any], road: GatedRoad, plan: RollingPlan, found: LocalSolution) -> RollingPlan:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 HORIZON = 8
-"""N, the intervals of one local problem; the problem is compiled for it."""
+"""N, the intervals of one local problem on the built-in road; the problem is compiled for it."""
+LONG = 24
+"""N on any other road, whose fast bends need about 3 s."""
 
 SUBSTEPS = 4
 """Steps of the integrator per interval."""

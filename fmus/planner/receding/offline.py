@@ -52,8 +52,9 @@ def parameters(overrides: Mapping[str, Any] | None = None) -> dict[str, Any]:
 
 def compiled(horizon: int = HORIZON) -> Tools:
     """Solver and motion as they are in the FMU, from the cache or compiled now (half a minute)."""
-    made = kernel(horizon)
-    return run.prepare({name: str(library(made.libraries[name], name, host_platform())) for name in made.libraries})
+    made = kernel((horizon,))
+    names = made.libraries
+    return run.prepare({name: str(library(names[name], name, host_platform())) for name in names})[horizon]
 
 
 def interpreted(horizon: int = HORIZON) -> Tools:
@@ -62,12 +63,17 @@ def interpreted(horizon: int = HORIZON) -> Tools:
     return tools(ca.nlpsol("local", "ipopt", local.nlp, OPTIONS | local.derivatives), motion())
 
 
-def drive(tools: Tools, p: Mapping[str, Any], table: Sequence[Sequence[float]] = (), most: int = 1000) -> WholePlan:
-    """One local problem after the other to the end of an open road, at most `most`."""
+def drive(
+    tools: Tools, p: Mapping[str, Any], table: Sequence[Sequence[float]] = (), most: int = 1000, *, lap: bool = False
+) -> WholePlan:
+    """One local problem after the other to the end of an open road, `most` of them at most.
+
+    With `lap` until the start of a closed road is passed.
+    """
     way = road.read(p, table)
     plan = run.start(p, way)
     records: list[Record] = []
-    while plan.phase == PLANNING and len(records) < most:
+    while plan.phase == PLANNING and len(records) < most and not (lap and plan.record.final_time):
         plan = horizon.extended(tools, p, way, plan)
         records.append(plan.record)
     return WholePlan(plan, tuple(records))

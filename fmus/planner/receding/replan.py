@@ -47,6 +47,7 @@ def gate_before(road: GatedRoad, plan: RollingPlan, state: Array) -> int:
     ahead = np.cos(frames[:, 2]) * away[:, 0] + np.sin(frames[:, 2]) * away[:, 1]
     near = np.hypot(*away.T)
     nearest = int(np.argmin(near))
-    later = [k for k in range(nearest, count) if ahead[k] > _AHEAD * road.spacing]
+    least = _AHEAD * np.diff(road.distances(first - 1, count + 1))
+    later = [k for k in range(nearest, count) if ahead[k] > least[k]]
     gate = first + (later[0] if later else count) - 1
     return gate if road.closed else max(gate, 0)

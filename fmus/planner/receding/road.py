@@ -1,4 +1,4 @@
-"""From the table of a road to gates at equal distances, and the part of them that lies ahead."""
+"""From the table of a road to gates along it, and the part of them that lies ahead."""
 
 from __future__ import annotations
 
@@ -10,32 +10,36 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import PlanningError
-from ..gates import Gates, checked
+from ..gates import Gates, checked, uncrossed
 from ..road_rows import checked_rows
 from . import built_in
-from .centre_line import even, spline
+from .centre_line import spline
+from .layout import HORIZON, LONG
+from .stations import inset, stations
 
 Array = NDArray[np.float64]
 MOST = 2000
 """Capacity: gates of one road."""
-_HEAD, _COLUMNS = 4, 6
+_HEAD, _COLUMNS = 4, 7
 DERIVED = _HEAD + _COLUMNS * MOST
 
 
 @dataclass(frozen=True, slots=True)
 class GatedRoad:
-    """`frames` (n, 3), `low`, `high` (n,) as in `Gates`; `curvature` (n,) [1/m] of the centre line, `spacing` [m].
+    """`frames` (n, 3), `low`, `high` (n,) as in `Gates`; `curvature` (n,) [1/m] of the centre line.
 
-    The last gate of a closed road is its first, one `turn` [rad] later.
+    They are `at` (n,) [m] along it. The last gate of a closed road is its first, one `turn` [rad] later. Local problems
+    have `horizon` intervals.
     """
 
     frames: Array
     low: Array
     high: Array
     curvature: Array
-    spacing: float
+    at: Array
     closed: bool
     turn: float
+    horizon: int = HORIZON
 
     @property
     def last(self) -> int:
@@ -51,8 +55,18 @@ class GatedRoad:
         else:
             beyond, k = np.maximum(k - self.last, 0), np.minimum(k, self.last)
             heading = self.frames[-1, 2]
-            frames = self.frames[k] + np.outer(beyond * self.spacing, [np.cos(heading), np.sin(heading), 0.0])
+            way = beyond * (self.at[-1] - self.at[-2])
+            frames = self.frames[k] + np.outer(way, [np.cos(heading), np.sin(heading), 0.0])
         return Gates(frames, self.low[k], self.high[k])
+
+    def distances(self, first: int, count: int) -> Array:
+        """(count,) [m] along the road to `count` gates from number `first` on."""
+        k = first + np.arange(count)
+        if self.closed:
+            laps, k = np.divmod(k, self.last)
+            return self.at[k] + laps * self.at[-1]
+        beyond = np.maximum(k - self.last, 0)
+        return self.at[np.minimum(k, self.last)] + beyond * (self.at[-1] - self.at[-2])
 
     def curvatures(self, first: int, count: int) -> Array:
         """(count,) [1/m]."""
@@ -69,7 +83,9 @@ def read(p: Mapping[str, Any], table: Sequence[Sequence[float]]) -> GatedRoad:
     closed = bool(p["road.closed"])
     rows = checked_rows(np.array(table or built_in.rows()), closed)
     curve = spline(rows[:, :2], closed)
-    at, spacing = even(curve, p["road.spacing"])
+    widths = np.vstack([rows[:, 2:], rows[:1, 2:]]) if closed else rows[:, 2:]
+    room = widths - p["road.clearance"]
+    at, distance = stations(curve, room if table else None, p, closed)
     if len(at) > MOST:
         raise ValueError(
             f"the road has {len(at)} gates {p['road.spacing']:g} m apart, but there is room for {MOST}; "
@@ -77,33 +93,34 @@ def read(p: Mapping[str, Any], table: Sequence[Sequence[float]]) -> GatedRoad:
         )
     tangent = curve.slope(at)
     heading = np.unwrap(np.arctan2(tangent[:, 1], tangent[:, 0]))
-    widths = np.vstack([rows[:, 2:], rows[:1, 2:]]) if closed else rows[:, 2:]
-    left, right = (np.interp(at, curve.s, widths[:, j]) - p["road.clearance"] for j in (0, 1))
-    frames = np.column_stack([curve(at), heading])
+    turn = float(heading[-1] - heading[0]) if closed else 0.0
+    length = np.diff(distance)
+    curvature = _curvature(heading, distance, length.max(), turn, closed)
+    left, right = (np.interp(at, curve.s, room[:, j]) for j in (0, 1))
+    gates = Gates(np.column_stack([curve(at), heading]), -right, left, closed)
     try:
-        checked(Gates(frames, -right, left))
+        gates = checked(uncrossed(gates))
     except PlanningError as error:
         raise ValueError(f"{error} (road.clearance, road.spacing)") from None
-    return _road(frames, -right, left, spacing, closed)
+    if table:
+        gates = inset(gates, _curvature(heading, distance, length.min(), turn, closed), distance)
+    return GatedRoad(gates.frames, gates.low, gates.high, curvature, distance, closed, turn, LONG if table else HORIZON)
 
 
-def _road(frames: Array, low: Array, high: Array, spacing: float, closed: bool) -> GatedRoad:
-    turn = frames[-1, 2] - frames[0, 2] if closed else 0.0
-    heading = frames[:, 2]
-    padded = (
-        np.concatenate([[heading[-2] - turn], heading, [heading[1] + turn]])
-        if closed
-        else np.concatenate([heading[:1], heading, heading[-1:]])
-    )
-    curvature = (padded[2:] - padded[:-2]) / (2 * spacing)
-    return GatedRoad(frames, low, high, curvature, spacing, closed, float(turn))
+def _curvature(heading: Array, at: Array, reach: Array | float, turn: float, closed: bool) -> Array:
+    """(n,) [1/m]: the turn over `reach` [m] to both sides of each gate, over this distance."""
+    s = at
+    if closed:
+        s = np.concatenate([at[:-1] - at[-1], at, at[1:] + at[-1]])
+        heading = np.concatenate([heading[:-1] - turn, heading, heading[1:] + turn])
+    return np.asarray(np.interp(at + reach, s, heading) - np.interp(at - reach, s, heading)) / (2 * reach)
 
 
 def to_numbers(road: GatedRoad) -> Array:
     """The road as DERIVED numbers."""
     d, n = np.zeros(DERIVED), len(road.frames)
-    d[:_HEAD] = n, road.spacing, road.closed, road.turn
-    columns = np.column_stack([road.frames, road.low, road.high, road.curvature])
+    d[:_HEAD] = n, road.horizon, road.closed, road.turn
+    columns = np.column_stack([road.frames, road.low, road.high, road.curvature, road.at])
     d[_HEAD : _HEAD + _COLUMNS * n] = columns.ravel()
     return d
 
@@ -118,7 +135,8 @@ def from_numbers(d: Sequence[float]) -> GatedRoad:
         columns[:, 3],
         columns[:, 4],
         columns[:, 5],
-        float(numbers[1]),
+        columns[:, 6],
         bool(numbers[2]),
         float(numbers[3]),
+        int(numbers[1]),
     )

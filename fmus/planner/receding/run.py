@@ -12,10 +12,10 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from . import memory, road
+from . import limits, memory, road
 from .bus import outputs, states
 from .horizon import planned_until
-from .layout import AHEAD, HORIZON, PERIOD, SUBSTEPS
+from .layout import AHEAD, LONG, PERIOD
 from .memory import CAPACITY, PLANNING, Record, RollingPlan
 from .replan import restarted
 from .search import OPTIONS, Tools, tools
@@ -24,37 +24,46 @@ from .speed import SLOWEST, profile
 Values = Mapping[str, Any]
 Column = NDArray[np.float64]
 _PREVIEW = (AHEAD - 1) * PERIOD
-_STABLE = 2.78
-"""Largest product of damping and step for which the Runge-Kutta method of order four is stable."""
-_LEEWAY = 0.8
+_LEEWAY = 1.2
 """The car is faster than the profile where it cuts curves (engineering choice)."""
+_SIGHT = 1.0
+"""Gates in sight at least beyond a horizon."""
 
 
-def prepare(libraries: Mapping[str, str]) -> Tools:
-    """The solver and the motion of the compiled libraries."""
-    return tools(ca.nlpsol("local", "ipopt", libraries["local"], OPTIONS), ca.external("motion", libraries["motion"]))
+Prepared = Mapping[int, Tools]
+"""By the number of intervals of their local problems."""
+
+
+def prepare(libraries: Mapping[str, str]) -> Prepared:
+    """The solvers and the motion of the compiled libraries."""
+    motion = ca.external("motion", libraries["motion"])
+    solvers = (ca.nlpsol("local", "ipopt", libraries[name], OPTIONS) for name in libraries if name != "motion")
+    made = (tools(solver, motion) for solver in solvers)
+    return {each.horizon: each for each in made}
 
 
 def initialise(
-    tools: Tools, p: Values, u: Values, table: Sequence[Sequence[float]]
+    prepared: Prepared, p: Values, u: Values, table: Sequence[Sequence[float]]
 ) -> tuple[Column, Column, dict[str, float]]:
     """The road as derived numbers, the first plan as states, and its outputs."""
     way = road.read(p, table)
+    tools = prepared[way.horizon]
     _check(tools, p, way)
     plan = _planned(tools, p, way, start(p, way), 0.0)
-    return road.to_numbers(way), memory.to_numbers(plan, tools.horizon), _outputs(tools, p, way, plan, 0.0)
+    return road.to_numbers(way), memory.to_numbers(plan, LONG), _outputs(tools, p, way, plan, 0.0)
 
 
 def sample(
-    tools: Tools, p: Values, d: Sequence[float], u: Values, x: Sequence[float], t: float
+    prepared: Prepared, p: Values, d: Sequence[float], u: Values, x: Sequence[float], t: float
 ) -> tuple[Column, dict[str, float]]:
     """The plan at time t [s], extended when the preview would reach beyond it."""
-    way, plan = road.from_numbers(d), memory.from_numbers(x, tools.horizon)
+    way, plan = road.from_numbers(d), memory.from_numbers(x, LONG)
+    tools = prepared[way.horizon]
     if p["replan.from_estimate"] and plan.phase == PLANNING:
         now = states(tools, p, plan, np.full(AHEAD, t))[0, : plan.x.shape[1]]
         plan = restarted(p, u, way, plan, now, t)
     plan = _planned(tools, p, way, plan, t)
-    return memory.to_numbers(plan, tools.horizon), _outputs(tools, p, way, plan, t)
+    return memory.to_numbers(plan, LONG), _outputs(tools, p, way, plan, t)
 
 
 def _planned(tools: Tools, p: Values, way: road.GatedRoad, plan: RollingPlan, t: float) -> RollingPlan:
@@ -83,38 +92,30 @@ def _check(tools: Tools, p: Values, way: road.GatedRoad) -> None:
         )
     if p["horizon.accept"] > tools.horizon or p["horizon.accept"] != int(p["horizon.accept"]):
         raise ValueError(f"horizon.accept = {p['horizon.accept']:g} must be a whole number up to {tools.horizon}")
-    _check_speeds(p, way)
-    most = p["limit.speed"] * (_PREVIEW + 2 * p["sample_period"]) / way.spacing + 2 * tools.horizon + 2
+    most = _gates_ahead(p, way) + 2 * tools.horizon + 2
     if most > CAPACITY:
         raise ValueError(
             f"a plan may need {most:.0f} nodes, but there is room for {CAPACITY}; "
             "give a larger road.spacing, a smaller limit.speed or a shorter sample_period"
         )
+    _check_sight(p, tools.horizon)
 
 
-def _check_speeds(p: Values, way: road.GatedRoad) -> None:
-    """Raise ValueError where the road is too slow for its gates: the integration between them would not be stable.
+def _gates_ahead(p: Values, way: road.GatedRoad) -> int:
+    """Gates at most that the preview may reach beyond, at the speed that the road allows somewhere."""
+    v = profile(way.curvature, np.diff(way.at), limits.lateral(p), limits.braking(p), p["limit.speed"])
+    fastest = min(p["limit.speed"], _LEEWAY * float(v.max()))
+    at = way.distances(0, 2 * way.last)
+    beyond = np.searchsorted(at, way.at[:-1] + fastest * (_PREVIEW + 2 * p["sample_period"]), side="right")
+    return int(np.max(beyond - np.arange(way.last)))
 
-    The yaw motion dies out with (l_F^2 C_F + l_R^2 C_R)/(I_zz v) [1/s]; a substep takes spacing/(SUBSTEPS v).
-    """
-    arm = [p[f"design.geometry.{axle}_axle"] for axle in ("front", "rear")]
-    stiffness = [
-        np.prod([p[f"design.tyre.{axle}.{name}"] for name in ("stiffness_factor", "shape_factor", "peak")])
-        for axle in ("front", "rear")
-    ]
-    damping = sum(a**2 * c for a, c in zip(arm, stiffness, strict=True)) / p["design.body.inertia.z"]
-    per_metre = _LEEWAY * damping / (_STABLE * SUBSTEPS)
-    v = profile(way.curvature, way.spacing, p["speed.lateral"], p["speed.braking"], p["end.speed"])
-    k = int(np.argmin(v))
-    if v[k] ** 2 < per_metre * way.spacing:
+
+def _check_sight(p: Values, horizon: int) -> None:
+    """Raise ValueError when the car cannot brake to a crawl on what is left of the sight beyond a horizon."""
+    length = horizon * p["road.spacing"]
+    if p["road.sight"] < length + _SIGHT * p["road.spacing"]:
         raise ValueError(
-            f"{k * way.spacing:.0f} m along it the road is driven at about {v[k]:.1f} m/s, too slow for gates "
-            f"{way.spacing:.1f} m apart; give a road.spacing of at most {v[k] ** 2 / per_metre:.1f} m"
-        )
-    horizon = way.spacing * HORIZON
-    if p["road.sight"] < horizon + way.spacing * per_metre / (2 * p["speed.braking"]):
-        raise ValueError(
-            f"road.sight = {p['road.sight']:g} m is too short for a horizon of {horizon:.0f} m; give a longer one"
+            f"road.sight = {p['road.sight']:g} m is too short for a horizon of {length:.0f} m; give a longer one"
         )
 
 
@@ -134,6 +135,6 @@ def _outputs(tools: Tools, p: Values, way: road.GatedRoad, plan: RollingPlan, t:
         "replan.count": record.replans,
         "plan.phase": plan.phase,
         "plan.end_time": plan.end,
-        "plan.distance": plan.gate * way.spacing,
+        "plan.distance": float(way.distances(plan.gate, 1)[0]),
         "plan.final_time": record.final_time,
     }
