@@ -7,10 +7,14 @@ subcommands need. What goes wrong is told in one sentence on stderr, after the n
 
 from __future__ import annotations
 
+import signal
 import sys
-from collections.abc import Callable, Mapping, Sequence
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from importlib import import_module
+from io import TextIOWrapper
 from typing import Any, NoReturn
 
 import typer
@@ -59,8 +63,10 @@ def run(application: Application, arguments: Sequence[str] | None = None) -> NoR
     named there, else what the subcommand returns.
     """
     given = list(sys.argv[1:] if arguments is None else arguments)
+    _print_anything()
     try:
-        status = _app(application, given)(given, prog_name=application.name, standalone_mode=False)
+        with _ends_as_interrupts():
+            status = _app(application, given)(given, prog_name=application.name, standalone_mode=False)
     except typer.TyperException as error:
         _end(application, f"{_usage(error)} `{application.name} --help` shows what there is", MISTAKE)
     except (typer.Abort, KeyboardInterrupt):
@@ -70,6 +76,33 @@ def run(application: Application, arguments: Sequence[str] | None = None) -> NoR
     if status == INTERRUPTED:
         _end(application, "interrupted", INTERRUPTED)
     sys.exit(status or 0)
+
+
+def interrupting() -> tuple[signal.Signals, ...]:
+    """The signals that ask a program to end, but for those it was told to ignore, as nohup does."""
+    kinds = (getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
+    return tuple(kind for kind in kinds if signal.getsignal(kind) != signal.SIG_IGN)
+
+
+@contextmanager
+def _ends_as_interrupts() -> Iterator[None]:
+    """Every request to end is told and cleaned up after like Ctrl-C."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    previous = {kind: signal.signal(kind, signal.default_int_handler) for kind in interrupting()}
+    try:
+        yield
+    finally:
+        for kind, handler in previous.items():
+            signal.signal(kind, handler)
+
+
+def _print_anything() -> None:
+    """Names of files may hold bytes that are no text, and a terminal may have few characters."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
 
 
 def _app(application: Application, given: Sequence[str]) -> typer.Typer:

@@ -83,6 +83,9 @@ def _explainer(*, to_stderr: bool) -> Callable[[RunPlan], None]:
 def _draw(finished: Finished, file: Path) -> None:
     try:
         finished.draw(file)
+    except KeyboardInterrupt:
+        file.unlink(missing_ok=True)
+        raise
     except OSError as error:
         file.unlink(missing_ok=True)
         sentence = f"{file} cannot be written: {because(error)}; results and summary are complete"

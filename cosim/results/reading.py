@@ -12,13 +12,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pyarrow import parquet
 
 from cosim.errors import CosimError, unknown
 from cosim.model.clock import SECOND
 from cosim.model.face import Value
 from cosim.model.signals import Vector
-from cosim.results.storage import PARQUET, STREAM, read_stream
+from cosim.results.storage import PARQUET, STREAM, open_parquet, read_stream
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +92,7 @@ class _Columns:
     """What `Results` needs of an Arrow table, out of an open Parquet file."""
 
     def __init__(self, path: Path) -> None:
-        self._file = parquet.ParquetFile(path)
+        self._file = open_parquet(path)
         self.schema = self._file.schema_arrow
 
     def column(self, name: str) -> Any:

@@ -18,7 +18,7 @@ from cosim.model.clock import SECOND, to_seconds
 from cosim.model.patterns import matches_any
 from cosim.model.signals import Signal, Vector
 from cosim.results.columns import TYPES, Batch, Texts
-from cosim.results.storage import PARQUET, STREAM, write_parquet
+from cosim.results.storage import PARQUET, STREAM, sink, write_parquet
 
 _ROWS, CHUNK_VALUES = 512, 1 << 17  # in a chunk, at most
 _PATIENCE = 2.0  # [s] of wall time
@@ -68,7 +68,7 @@ class Recorder:
         self._take = vector.take
         self._filled = self._written = 0
         self._flushed = monotonic()
-        self._sink = pa.OSFile(str(folder / STREAM), "wb")
+        self._sink = sink(folder / STREAM)
         self._writer = pa.ipc.new_stream(self._sink, schema)
         self.flush()  # an empty chunk writes the schema, so that the stream can be read from now on
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,17 @@ GROUP_VALUES = 1 << 19
 """Values that a row group of the Parquet file holds whatever the number of its rows."""
 COLUMN_OVERHEAD = 256
 """Values that take as much memory as what is kept of a column of a row group until the file is written."""
+
+
+def sink(path: Path) -> Any:
+    """A new file to write into, whatever bytes its name has; what was there is removed, be it a link."""
+    path.unlink(missing_ok=True)
+    return pa.OSFile(os.fsencode(path), "wb")
+
+
+def open_parquet(path: Path) -> Any:
+    """The Parquet file, whatever bytes its name has."""
+    return parquet.ParquetFile(pa.OSFile(os.fsencode(path)))
 
 
 def read_stream(path: Path) -> Any:
@@ -40,9 +52,9 @@ def write_parquet(stream: Path, path: Path, rows: int) -> None:
     """Write the `rows` in the stream file to `path`, which then is whole: on OSError no file is left."""
     partial = path.with_suffix(".partial")
     try:
-        with stream.open("rb") as source:
+        with stream.open("rb") as source, sink(partial) as target:
             reader = pa.ipc.open_stream(source)
-            with parquet.ParquetWriter(partial, reader.schema, compression="zstd", use_dictionary=False) as writer:
+            with parquet.ParquetWriter(target, reader.schema, compression="zstd", use_dictionary=False) as writer:
                 groups = _groups if is_plain(reader.schema) else _mixed_groups
                 for group in groups(reader, rows):
                     writer.write_table(group)

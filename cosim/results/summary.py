@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ from cosim.model.assembly import Node
 from cosim.model.clock import SECOND, to_seconds
 from cosim.results.provenance import Provenance, command_line
 from cosim.scenario.metric import Metric
+from fmukit import files
 
 SUMMARY = "summary.json"
 
@@ -106,14 +106,7 @@ def summarise(
 
 def write_summary(summary: Summary, folder: Path) -> None:
     """Write `folder`/summary.json, which then is whole: on OSError no file is left."""
-    partial = folder / f"{SUMMARY}.partial"
-    try:
-        partial.write_text(summary.json() + "\n", "utf-8")
-        partial.replace(folder / SUMMARY)
-    except OSError:
-        with suppress(OSError):
-            partial.unlink()
-        raise
+    files.write(folder / SUMMARY, f"{summary.json()}\n".encode())
 
 
 def _instance(name: str, node: Node, outcome: Outcome) -> InstanceSummary:

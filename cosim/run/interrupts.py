@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM as a flag that the master looks at."""
+"""Ctrl-C, SIGTERM and SIGHUP as a flag that the master looks at."""
 
 from __future__ import annotations
 
@@ -8,10 +8,14 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from fmukit.command_line import interrupting
+
+_PATIENCE = 2
+
 
 @contextmanager
 def interrupts() -> Iterator[Callable[[], bool]]:
-    """A flag that Ctrl-C and SIGTERM raise; a second Ctrl-C acts at once.
+    """A flag that these signals raise. From the third on they act at once and end a process that hangs.
 
     An exception would surface inside whichever FMU happens to run Python code, and be taken for its fault.
     """
@@ -20,11 +24,16 @@ def interrupts() -> Iterator[Callable[[], bool]]:
         yield asked.is_set
         return
 
-    def ask(number: int, _frame: object) -> None:
-        asked.set()
-        signal.signal(number, previous[number])
+    count = 0
 
-    kinds = (signal.SIGINT, signal.SIGTERM)
+    def ask(number: int, _frame: object) -> None:
+        nonlocal count
+        asked.set()
+        count += 1
+        if count >= _PATIENCE:
+            signal.signal(number, signal.SIG_DFL)
+
+    kinds = interrupting()
     previous: dict[int, Any] = {kind: signal.signal(kind, ask) for kind in kinds}
     try:
         yield asked.is_set

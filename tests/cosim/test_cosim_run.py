@@ -6,6 +6,7 @@ import subprocess
 import sys
 import tempfile
 from ctypes import c_double
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -43,7 +44,7 @@ def test_a_signal_while_loading_ends_the_run_before_its_first_step(tmp_path):
     assert (outcome.status, outcome.time, mock.steps) == ("interrupted", 0, [])
 
 
-@pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_interrupts_between_ticks_and_keeps_the_results(tmp_path, kind):
     def step(time, length, inputs):
         if time == 0.3:
@@ -57,6 +58,56 @@ def test_a_signal_interrupts_between_ticks_and_keeps_the_results(tmp_path, kind)
     assert 0.3 <= outcome.time / 1e9 < 0.4
     assert load_results(tmp_path, Facts({})).time[-1] == outcome.time / 1e9
     assert signal.getsignal(kind) == before
+
+
+def test_a_second_signal_ends_as_the_first(tmp_path):
+    def step(time, length, inputs):
+        if time == 0.3:
+            os.kill(os.getpid(), signal.SIGINT)
+            os.kill(os.getpid(), signal.SIGINT)
+        return {"y": time}
+
+    plan, mock = single(tmp_path, step)
+    outcome = execute(plan, lambda: {"plant": mock})
+    assert outcome.status == "interrupted"
+    assert len(load_results(tmp_path, Facts({})).time) > 300
+
+
+def test_what_is_to_be_ignored_is(tmp_path):
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        plan, mock = single(tmp_path, lambda t, h, u: os.kill(os.getpid(), signal.SIGHUP) or {"y": t})
+        assert execute(plan, lambda: {"plant": mock}).status == "ok"
+    finally:
+        signal.signal(signal.SIGHUP, before)
+
+
+def test_any_name_and_the_users_umask(tank, tmp_path):
+    folder = Path(os.fsdecode(os.fsencode(tmp_path) + b"/\xff\xfe"))
+    system = System()
+    system.add("tank", str(tank), period=0.1)
+    scenario = scenario_of("odd", lambda _settings, _prepared: system, stop_time=0.5)
+    before = os.umask(0o077)
+    try:
+        assert run(Request(scenario, folder)).summary.status == "ok"
+    finally:
+        os.umask(before)
+    assert {path.stat().st_mode & 0o777 for path in folder.iterdir()} == {0o600}
+    assert len(load_results(folder).time) == 6
+
+
+def test_links_are_never_written_through(tank, tmp_path):
+    """What somebody planted in a folder of results leads nowhere."""
+    (tmp_path / "kept").write_text("kept")
+    folder = tmp_path / "out"
+    folder.mkdir()
+    for name in ("results.arrows", "results.parquet", "results.partial", "summary.json", "summary.json.partial"):
+        (folder / name).symlink_to(tmp_path / "kept")
+    system = System()
+    system.add("tank", str(tank), period=0.1)
+    scenario = scenario_of("linked", lambda _settings, _prepared: system, stop_time=0.5)
+    assert run(Request(scenario, folder)).summary.status == "ok"
+    assert (tmp_path / "kept").read_text() == "kept"
 
 
 def test_a_failing_step_keeps_the_rows_before_it(tmp_path):
