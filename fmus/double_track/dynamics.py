@@ -25,6 +25,7 @@ STATES = Layout(
     yaw_rate=1,
     steer=1,
     transfer=2,  # accelerations a_x, a_y behind the wheel loads
+    slip=4,  # of the wheels, which only their speeds show
 )
 
 _LEAST_TORQUE = 1e-9
@@ -82,6 +83,7 @@ def derivative(p: Signals, u: Signals, x: Parts) -> Parts:
         "yaw_rate": now.yaw_acceleration,
         "steer": now.steer_rate,
         "transfer": (a - x["transfer"]) / p["load.lag"],
+        "slip": (clip(now.F_x / (p["tyre.slip_stiffness"] * now.F_z), -1, 1) - x["slip"]) / p["tyre.slip_lag"],
     }
 
 
@@ -96,7 +98,8 @@ def _longitudinal(p: Signals, u: Signals, c: DoubleTrackCar, V_x: ca.SX, rolling
 
     Brake and rolling resistance are one dry friction, shared in proportion to their capacities.
     """
-    drive, brake = u.vector("wheel_torque", WHEELS) / c.planar.R, u.vector("brake_torque", WHEELS) / c.planar.R
+    motor = u.vector("motor_available", WHEELS) * u.vector("wheel_torque", WHEELS)
+    drive, brake = motor / c.planar.R, u.vector("brake_torque", WHEELS) / c.planar.R
     front, rear = c.planar.static_loads
     mass = ca.vertcat(front, front, rear, rear) / (2 * c.planar.g)
     capacity = brake + rolling

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from fmukit.interface import AXES, Variable, continuous, group, input_, load_parameters, output
 from fmus.cars import published
-from fmus.cars.wheels import FRONT, WHEELS
+from fmus.cars.wheels import FRONT, WHEELS, motor_available
 
 MAX_SUBSTEP = 0.001
 PLANE = AXES[:2]
@@ -16,6 +16,7 @@ _INPUTS: list[Variable] = [
         input_, "wheel_torque", WHEELS, "N.m", "motor torque on the wheel, positive drives", minimum=-2e4, maximum=2e4
     ),
     *group(input_, "brake_torque", WHEELS, "N.m", "friction brake torque, never reverses", minimum=0.0, maximum=2e4),
+    *motor_available("part of its torque that the motor gives: 1 while it works, 0 when it is lost"),
     input_("command.steer_angle", "rad", "steering angle asked for, positive left", minimum=-2.0, maximum=2.0),
     *group(input_, "road_friction", WHEELS, "1", "road friction factor", start=1.0, minimum=0.01, maximum=2.0),
     *group(input_, "body_force", PLANE, "N", "external force at O1 in the body frame", minimum=-1e6, maximum=1e6),
@@ -35,7 +36,7 @@ _OUTPUTS: list[Variable] = [
     output("sideslip", "rad", "sideslip angle of O1, positive when it moves to its left; fades out below 0.5 m/s"),
     *group(output, "steer_angle", FRONT, "rad", "steering angle, positive left"),
     *group(output, "steer_rate", FRONT, "rad/s", "steering rate"),
-    *group(output, "wheel_speed", WHEELS, "rad/s", "wheel spin without slip, positive forward"),
+    *group(output, "wheel_speed", WHEELS, "rad/s", "wheel spin, positive forward"),
     *group(output, "tyre_force_x", WHEELS, "N", "longitudinal force on the tyre in its contact frame"),
     *group(output, "tyre_force_y", WHEELS, "N", "lateral force on the tyre in its contact frame"),
     *group(output, "tyre_force_z", WHEELS, "N", "normal force on the tyre"),

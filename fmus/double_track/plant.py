@@ -41,7 +41,7 @@ def output(p: Signals, u: Signals, x: Parts) -> Parts:
         "sideslip": sideslip(v),
         **named("steer_angle", FRONT, ca.vertcat(x["steer"], x["steer"])),
         **named("steer_rate", FRONT, ca.vertcat(seen.steer_rate, seen.steer_rate)),
-        **named("wheel_speed", WHEELS, seen.V_x / p["wheel.radius"]),
+        **named("wheel_speed", WHEELS, seen.V_x * (1 + x["slip"]) / p["wheel.radius"]),
         **named("tyre_force_x", WHEELS, seen.F_x),
         **named("tyre_force_y", WHEELS, seen.F_y),
         **named("tyre_force_z", WHEELS, seen.F_z),

@@ -39,7 +39,7 @@ def powers(p: Signals, u: Signals, x: Parts, now: MultibodyInstant) -> Parts:
     external = ca.dot(u.vector("body_force", "xyz"), v) + ca.dot(u.vector("body_moment", "xyz"), omega)
     dampers = [_damping(p, c, w) for c, w in zip(CORNERS, now.wheels, strict=True)]
     return {
-        "motors": ca.dot(u.vector("wheel_torque", WHEELS), x["wheel_speed"]),
+        "motors": ca.dot(u.vector("motor_available", WHEELS) * u.vector("wheel_torque", WHEELS), x["wheel_speed"]),
         "steering": ca.dot(u.vector("steer_torque", FRONT), x["steer_rate"]),
         "suspension": -ca.dot(u.vector("suspension_force", WHEELS), rate),
         "external": external,

@@ -105,7 +105,7 @@ def _wheel(p: Signals, u: Signals, x: Parts, corner: Corner, *, n: ca.SX, spring
         inertia = p["knuckle.inertia.z"] + p["wheel.inertia.diametral"]
         scrub = friction.dry(tyre.scrub_capacity(k, touch, road, carrier[2]), turning, inertia * carrier[2], stick_time)
         about_centre, turning = about_centre - ca.vertcat(0, 0, scrub), turning - scrub
-    load = u[f"wheel_torque.{corner.name}"] + about_axle
+    load = u[f"motor_available.{corner.name}"] * u[f"wheel_torque.{corner.name}"] + about_axle
     brake = friction.dry(u[f"brake_torque.{corner.name}"], load, p["wheel.inertia.spin"] * spin, stick_time)
     leg = Leg(
         place,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from fmukit.interface import AXES, Variable, continuous, group, input_, load_parameters, output
-from fmus.cars.wheels import FRONT, WHEELS
+from fmus.cars.wheels import FRONT, WHEELS, motor_available
 from fmus.vehicle16dof.balance import SINKS, SOURCES, STORES
 
 MAX_SUBSTEP = 0.001
@@ -15,6 +15,7 @@ _INPUTS: list[Variable] = [
         input_, "wheel_torque", WHEELS, "N.m", "motor torque on the wheel, positive drives", minimum=-2e4, maximum=2e4
     ),
     *group(input_, "brake_torque", WHEELS, "N.m", "friction brake torque, never reverses", minimum=0.0, maximum=2e4),
+    *motor_available("part of its torque that the motor gives: 1 while it works, 0 when it is lost"),
     *group(input_, "steer_torque", FRONT, "N.m", "torque about the kingpin, positive left", minimum=-5e3, maximum=5e3),
     *group(input_, "suspension_force", WHEELS, "N", "active force, positive lifts the body", minimum=-5e4, maximum=5e4),
     *group(input_, "road_friction", WHEELS, "1", "road friction factor", start=1.0, minimum=0.01, maximum=2.0),

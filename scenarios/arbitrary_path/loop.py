@@ -8,7 +8,7 @@ from cosim.scenario.definition import Work
 from cosim.scenario.settings import Settings
 from scenarios.arbitrary_path.metrics import arbitrary_path_metrics, given_up
 from scenarios.arbitrary_path.road import LaidRoad, half_width, lay
-from scenarios.shared.sensors import TRUE_STATES
+from scenarios.shared.sensors import TRUE_STATES, WHEEL_SPEEDS
 from scenarios.shared.start import Offset, beside, start_at
 
 _GRIP = 0.85
@@ -35,7 +35,7 @@ def build(_settings: Settings, _prepared: Settings) -> System:
     system.add("mpc", "MpcAllocator")
     system.connect("plant", "planner", TRUE_STATES)
     system.connect("planner", "mpc")
-    system.connect("plant", "mpc", TRUE_STATES)
+    system.connect("plant", "mpc", TRUE_STATES | WHEEL_SPEEDS)
     system.connect("mpc", "plant")
     return system
 

@@ -14,7 +14,7 @@ from fmus.cars.grip import with_grip
 from fmus.cars.wheels import WHEELS
 from scenarios.collision_avoidance.evasion import Evasion, evasion
 from scenarios.collision_avoidance.metrics import avoidance_metrics
-from scenarios.shared.sensors import TRUE_STATES
+from scenarios.shared.sensors import TRUE_STATES, WHEEL_SPEEDS
 from scenarios.shared.start import start_on_reference
 
 _USED = 0.85
@@ -38,7 +38,7 @@ def avoiding_system(_settings: Settings, planned: Evasion) -> System:
         "mpc", "MpcAllocator", {"limit.force": 5000.0, "limit.power": 1e6, "limit.friction": _USED * mu, **_tyres(mu)}
     )
     system.connect("reference", "mpc")
-    system.connect("plant", "mpc", TRUE_STATES)
+    system.connect("plant", "mpc", TRUE_STATES | WHEEL_SPEEDS)
     system.connect("mpc", "plant")
     return system
 

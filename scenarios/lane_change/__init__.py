@@ -38,6 +38,7 @@ MOTOR_FAILURE = Scenario(
     module="scenarios.lane_change.motor_failure",
     settings={
         "motor": Setting("rr", ("fl", "fr", "rl", "rr"), "the wheel whose motor is lost"),
+        "loss": Setting("found", ("found", "told"), "the controller finds the loss in the wheel speeds, or is told"),
         "failure_time": NumberSetting(4.0, 0.0, 7.0, "s", "when it is lost"),
         **_DISTURBANCES,
     },

@@ -8,13 +8,14 @@ import numpy as np
 
 from cosim.results.reading import Results
 from cosim.scenario.metric import Metric, Metrics
+from fmus.cars.wheels import WHEELS
 from fmus.planner.road import Corridor
 from scenarios.lane_change.plan import LaneChange
 from scenarios.shared.mpc_metrics import RESIDUALS, mpc_metrics
 from scenarios.shared.statistics import largest, peak, rms
 from scenarios.shared.tracking_errors import estimate_errors, longest_saturation
 
-_AVAILABLE = "mpc.motor_available."
+_AVAILABLE = "plant.motor_available."
 """How the inputs begin that say whether a motor works; recorded are those that change."""
 
 
@@ -41,14 +42,20 @@ def multibody_metrics(results: Results, change: LaneChange) -> Metrics:
 
 
 def motor_failure_metrics(results: Results, change: LaneChange) -> Metrics:
-    """The same, and what the distribution leaves over from the first sample on that knows of the failure."""
-    known = results.instants("mpc")
-    lost = np.any([results[name][known] < 1.0 for name in results.names if name.startswith(_AVAILABLE)], axis=0)
+    """The same, when the failure was known, and what the distribution leaves over from then on."""
+    lost = np.any([results.samples("mpc", f"motor_lost.{wheel}") > 0.0 for wheel in WHEELS], axis=0)
+    failed = np.any([results[name] < 1.0 for name in results.names if name.startswith(_AVAILABLE)], axis=0)
     left = {
         f"residual_{name}_max_after_failure": Metric(largest(results.samples("mpc", f"residual.{name}")[lost]), unit)
         for name, unit in RESIDUALS.items()
     }
-    return {**lane_change_metrics(results, change), **left}
+    known = _first(results.time[results.instants("mpc")], lost) - _first(results.time, failed)
+    return {**lane_change_metrics(results, change), **left, "failure_known_after": Metric(known, "s")}
+
+
+def _first(times: np.ndarray, true: np.ndarray) -> float:
+    """The first of the times [s] at which something is true; NaN if it never is."""
+    return float(times[true][0]) if np.any(true) else math.nan
 
 
 def final_time(results: Results, corridor: Corridor) -> float:

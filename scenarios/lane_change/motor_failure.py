@@ -16,9 +16,10 @@ _MARGIN = 0.1
 
 
 def failing_system(settings: Settings, change: LaneChange) -> System:
-    """The planar system with the event of the failure; the controller knows at once."""
+    """The planar system with the event of the failure, which the controller is told at once or has to find."""
     system = planar_system(settings, change)
-    system.at(settings["failure_time"], f"mpc.motor_available.{settings['motor']}", 0.0)
+    for instance in ("plant", "mpc") if settings["loss"] == "told" else ("plant",):
+        system.at(settings["failure_time"], f"{instance}.motor_available.{settings['motor']}", 0.0)
     return system
 
 

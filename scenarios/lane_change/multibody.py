@@ -11,7 +11,7 @@ from fmus.cars.nominal import DESIGN
 from fmus.planner.planned_cars import multibody
 from scenarios.lane_change.metrics import multibody_metrics
 from scenarios.lane_change.plan import LaneChange, lane_change, start_beside_plan
-from scenarios.shared.sensors import TRUE_RATES, TRUE_YAW_RATE, add_sensors, feed_back
+from scenarios.shared.sensors import TRUE_RATES, TRUE_YAW_RATE, WHEEL_SPEEDS, add_sensors, feed_back
 
 _SERVOS = 0.02
 """Time constant [s] the controller assumes of the steering servos, behind the filter of their demand."""
@@ -37,6 +37,7 @@ def multibody_system(settings: Settings, change: LaneChange) -> System:
     system.connect(
         "mpc", "llc", {"command.wheel_torque.": "wheel_torque.", "command.steer_angle": "command.steer_angle"}
     )
+    system.connect("plant", "mpc", WHEEL_SPEEDS)
     system.connect("plant", "llc")
     system.connect("llc", "plant")
     feed_back(system, settings, "mpc", TRUE_YAW_RATE)

@@ -12,7 +12,7 @@ from cosim.scenario.settings import Settings
 from fmus.planner.planned_cars import thesis
 from scenarios.lane_change.metrics import lane_change_metrics
 from scenarios.lane_change.plan import LaneChange, lane_change, start_beside_plan
-from scenarios.shared.sensors import TRUE_STATES
+from scenarios.shared.sensors import TRUE_STATES, WHEEL_SPEEDS
 
 
 def planar_lane_change(settings: Settings, margin: float = 0.0) -> LaneChange:
@@ -27,7 +27,7 @@ def planar_system(settings: Settings, change: LaneChange) -> System:
     system.add("reference", "ReferenceTrajectory", {"trajectory_file": str(change.trajectory_file)})
     system.add("mpc", "MpcAllocator")
     system.connect("reference", "mpc")
-    system.connect("plant", "mpc", TRUE_STATES)
+    system.connect("plant", "mpc", TRUE_STATES | WHEEL_SPEEDS)
     system.connect("mpc", "plant")
     return system
 

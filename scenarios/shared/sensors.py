@@ -20,6 +20,8 @@ TRUE_RATES = {**TRUE_YAW_RATE, "roll_rate": "angular_rate.x", "pitch_rate": "ang
 _RIGID = 1e12  # N/m, assumed of the tyres of a planar car, which does not lean
 TRUE_STATES = {"estimate.": "", "estimate.yaw_rate": "angular_rate.z"}
 """For `System.connect`: a plant's states in place of an estimate."""
+WHEEL_SPEEDS = {"wheel_speed.": "wheel_speed."}
+"""For `System.connect`: what a plant's wheels show, which no filter hides."""
 
 
 def add_sensors(system: System, settings: Settings, car: str = "", *, sprung: bool = True) -> None:

@@ -18,6 +18,7 @@ from fmus.planner import plans, trajectory
 from tests.references.loop import motion, recorded
 
 PERIOD = 0.02
+WHEEL_SPEEDS = tuple(f"wheel_speed.{wheel}" for wheel in WHEELS)
 Hook = Callable[[float, Direct, Direct], None]
 Array = np.ndarray
 
@@ -121,7 +122,7 @@ class Loop:
         """One sample: reference, controller, car; the outputs of the controller and some of the car before it moved."""
         period = self.parameters.get("sample_period", PERIOD)
         self.bus = played(self.table, period)[self.samples]
-        self.mpc.set(self.bus | estimate(self.plant))
+        self.mpc.set(self.bus | estimate(self.plant) | {name: self.plant[name] for name in WHEEL_SPEEDS})
         hook(self.time, self.mpc, self.plant)
         self.mpc.sample(period)
         outputs = self.mpc.outputs()
@@ -146,11 +147,14 @@ def estimate(plant: Direct) -> dict[str, float]:
     return motion("estimate", *(plant[name] for name in names))
 
 
-def lost(wheels: tuple[str, ...], since: float) -> Hook:
-    """The motors of `wheels` fail at `since` [s]."""
+def lost(wheels: tuple[str, ...], since: float, *, told: bool = True) -> Hook:
+    """The motors of `wheels` fail at `since` [s]; the controller is `told`, or finds it out."""
 
     def hook(t: float, mpc: Direct, plant: Direct) -> None:
-        mpc.set({f"motor_available.{wheel}": float(t < since) for wheel in wheels})
+        working = {f"motor_available.{wheel}": float(t < since) for wheel in wheels}
+        plant.set(working)
+        if told:
+            mpc.set(working)
 
     return hook
 

@@ -33,7 +33,9 @@ def test_parameters_are_within_limits_and_derived() -> None:
     assert found["body.drag_coefficient"] * found["body.frontal_area"] == pytest.approx(0.63)
     own = limits.keys() - found.keys()
     assert {name.split(".")[0] for name in own} == {"load", "steering", "low_speed", "initial", "tyre"}
-    assert {name for name in own if name.startswith("tyre")} == {"tyre.friction", "tyre.combined_slip"}
+    assert {name for name in own if name.startswith("tyre")} == {
+        *("tyre.friction", "tyre.combined_slip", "tyre.slip_stiffness", "tyre.slip_lag")
+    }
 
 
 @pytest.mark.parametrize("speed", [15.0, 25.0])

@@ -134,6 +134,34 @@ def test_load_transfer(car: Make) -> None:
     assert shift == pytest.approx(P.m * CAR.h * plant["acceleration.x"], rel=5e-3)
 
 
+def test_wheels_turn_faster_by_the_slip_that_their_force_needs(car: Make) -> None:
+    """Settled: R omega/V - 1 = F_x/(c F_z); the motion is the same whatever the stiffness."""
+    seen = []
+    for stiffness in (10.0, 21.5):
+        plant = car(
+            {"initial.speed": 20.0, "tyre.slip_stiffness": stiffness}, wheels("wheel_torque", 300, 300, -90, -90)
+        )
+        run(plant, 1.0)
+        for w in WHEELS:
+            slip = P.R * plant[f"wheel_speed.{w}"] / plant["velocity.x"] - 1.0
+            assert slip == pytest.approx(
+                plant[f"tyre_force_x.{w}"] / (stiffness * plant[f"tyre_force_z.{w}"]), rel=1e-3
+            )
+        seen.append([plant["position.x"], plant["velocity.x"]])
+    assert seen[0] == seen[1]
+
+
+def test_a_lost_motor_gives_nothing_and_its_wheel_shows_it(car: Make) -> None:
+    """The same motion as without its torque; its wheel is slowed by rolling resistance only."""
+    torque = wheels("wheel_torque", 300, 300, 200, 200)
+    lost = car({"initial.speed": 20.0}, torque | {"motor_available.rr": 0.0})
+    without = car({"initial.speed": 20.0}, torque | {"wheel_torque.rr": 0.0})
+    for plant in (lost, without):
+        run(plant, 1.0)
+    assert lost.outputs() == without.outputs()
+    assert lost["tyre_force_x.rr"] < 0.0 < lost["tyre_force_x.rl"]
+
+
 FLIPPED = (
     "position.y", "yaw", "velocity.y", "angular_rate.z", "acceleration.y", "specific_force.y",
     "angular_acceleration.z", "sideslip", "steer_angle", "steer_rate", "tyre_force_y", "slip_angle",

@@ -163,6 +163,7 @@ def _mpc(t: float) -> Values:
     return {
         **_high_level(t),
         "estimate.yaw_rate": RATE + 0.01,
+        **_group("wheel_speed", WHEELS, *((SPEED / 0.302,) * 4)),
         **_group("motor_available", WHEELS, *((1.0, 1.0, 1.0, 1.0) if t < 0.3 else (1.0, 0.9, 0.5, 0.0))),
     }
 

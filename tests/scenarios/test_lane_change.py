@@ -139,11 +139,37 @@ def test_the_corridor_is_kept_when_a_motor_is_lost(scenario_run: Run) -> None:
     metrics, results = driven.summary.metrics, driven.results
     assert outside(results) == 0.0
     assert metrics["corridor_violation_max"].value == 0.0
-    lost, torque = results["mpc.motor_available.rr"] == 0.0, results["mpc.wheel_torque.rr"]
-    assert results.time[lost][0] == 4.0
+    lost, torque = results["mpc.motor_lost.rr"] == 1.0, results["mpc.wheel_torque.rr"]
+    assert results.time[results["plant.motor_available.rr"] == 0.0][0] == 4.0
+    assert 4.1 < results.time[lost][0] < 4.2
+    assert metrics["failure_known_after"].value == pytest.approx(results.time[lost][0] - 4.0)
+    assert all(results[f"mpc.motor_lost.{w}"].max() == 0.0 for w in ("fl", "fr", "rl"))
     assert np.abs(torque[lost]).max() < 1e-6
     assert np.abs(torque[~lost]).max() > 300.0
     assert (metrics["mpc_unsolved"].value, metrics["fallback_count"].value) == (0.0, 0.0)
+
+
+def test_a_controller_that_is_told_knows_at_once(scenario_run: Run) -> None:
+    driven = scenario_run("motor-failure", "scenario.loss=told", "mpc.detection.enabled=false")
+    metrics, results = driven.summary.metrics, driven.results
+    assert metrics["failure_known_after"].value == 0.0
+    assert outside(results) == 0.0
+    assert np.abs(results["mpc.wheel_torque.rr"][results["mpc.motor_lost.rr"] == 1.0]).max() < 1e-6
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize(("feedback", "seed"), [("truth", 0), ("filter", 0), ("filter", 1), ("filter", 2)])
+def test_a_lost_motor_of_the_multibody_car_is_found_and_no_sound_one(tmp_path: Path, feedback: str, seed: int) -> None:
+    """With the tyres' own slip, their changing radius and the noise of the estimate."""
+    settings = [("scenario.feedback", feedback)]
+    for lost in (False, True):
+        events = [(3.0, "plant.motor_available.rl", "0")] if lost else []
+        request = Request(load("double-lane-change-16dof"), tmp_path / str(lost), settings, seed=seed, events=events)
+        results = run(request).results
+        found = {w: results[f"mpc.motor_lost.{w}"].max() > 0.0 for w in WHEELS}
+        assert found == {w: lost and w == "rl" for w in WHEELS}
+        if lost:
+            assert results.time[results["mpc.motor_lost.rl"] > 0.0][0] < 3.3
 
 
 def test_residuals_are_what_the_wheels_give_less_what_was_asked(scenario_run: Run) -> None:
@@ -161,7 +187,7 @@ def test_residuals_are_what_the_wheels_give_less_what_was_asked(scenario_run: Ru
         assert np.abs(left - results[f"mpc.residual.{name}"][rows]).max() < tolerance
         found = np.abs(results[f"mpc.residual.{name}"][rows])
         assert metrics[f"residual_{name}_max"].value == found.max()
-        known = results["mpc.motor_available.rr"][rows] == 0.0
+        known = results["mpc.motor_lost.rr"][rows] == 1.0
         assert metrics[f"residual_{name}_max_after_failure"].value == found[known].max() > 0.0
 
 
@@ -220,7 +246,7 @@ def test_an_exported_system_brings_the_plan_and_names_the_failure(tmp_path: Path
         structure, values = archive.read("SystemStructure.ssd"), archive.read("resources/reference.ssv").decode()
         fmu = tmp_path / "r.fmu"
         fmu.write_bytes(archive.read("resources/ReferenceTrajectory.fmu"))
-    assert b'time="4.0" element="mpc" connector="motor_available.rr" value="0.0"' in structure
+    assert b'time="4.0" element="plant" connector="motor_available.rr" value="0.0"' in structure
     name = values.partition('name="trajectory_file"')[2].partition('value="')[2].partition('"')[0]
     assert name == "double-lane-change.csv"
     with zipfile.ZipFile(fmu) as archive:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from fmukit.interface import Variable, group, input_, load_parameters, output, parameter, sampled
 from fmus.cars import published
-from fmus.cars.wheels import WHEELS
+from fmus.cars.wheels import WHEELS, motor_available
 from fmus.controllers.bus import trajectory_bus
 from fmus.double_track.interface import INTERFACE as PLANT
 
@@ -15,6 +15,7 @@ _ACTUATOR = {
     "steer_lag": "steering.lag",
     "steer_rate": "steering.rate_limit",
     "steer_limit": "steering.limit",
+    "slip_stiffness": "tyre.slip_stiffness",
 }
 """Parameters `actuator.*` and the parameters of DoubleTrack that they assume."""
 
@@ -46,16 +47,8 @@ _INPUTS: list[Variable] = [
     input_("estimate.yaw", "rad", "yaw angle"),
     *group(input_, "estimate.velocity", "xy", "m/s", "velocity of O1 in body axes"),
     input_("estimate.yaw_rate", "rad/s", "yaw rate"),
-    *group(
-        input_,
-        "motor_available",
-        WHEELS,
-        "1",
-        "1 while the motor works, 0 when it is lost, between them a part of its force",
-        start=1.0,
-        minimum=0.0,
-        maximum=1.0,
-    ),
+    *group(input_, "wheel_speed", WHEELS, "rad/s", "measured wheel spin, positive forward"),
+    *motor_available("1 while the motor works, 0 when it is known to be lost, between them a part of its force"),
 ]
 
 _OUTPUTS: list[Variable] = [
@@ -76,6 +69,8 @@ _OUTPUTS: list[Variable] = [
     output("disturbance.sideslip", "rad/s", "change of sideslip that the model does not explain"),
     output("disturbance.yaw", "rad/s", "change of yaw angle that the yaw rate does not explain"),
     output("disturbance.yaw_rate", "rad/s2", "yaw acceleration that the model does not explain"),
+    *group(output, "motor_response", WHEELS, "1", "force of the wheel by its slip over the force asked for"),
+    *group(output, "motor_lost", WHEELS, "1", "1 once the motor is known or found to be lost, else 0"),
     output("solver.status", "1", "prediction: 1 solved, other values of OSQP; 0: inputs unusable, nothing was solved"),
     output("solver.iterations", "1", "prediction: iterations"),
     output("solver.time", "s", "prediction: time of the solver, 0 unless solver.timed"),

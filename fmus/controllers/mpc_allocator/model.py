@@ -7,16 +7,16 @@ import casadi as ca
 from fmukit.kernel import Kernel, Parts, Signals, named, sampled_kernel
 from fmus.cars.wheels import WHEELS
 from fmus.clip import clip
-from fmus.controllers.mpc_allocator import limits, observe, plan, programs, states, tracking_qp
+from fmus.controllers.mpc_allocator import detection, limits, observe, plan, programs, states, tracking_qp
 from fmus.controllers.mpc_allocator.horizon import NODES
 from fmus.controllers.mpc_allocator.interface import INTERFACE
 from fmus.controllers.mpc_allocator.linearise import N_U
 from fmus.controllers.mpc_allocator.states import STATES
 from fmus.controllers.mpc_allocator.trajectory import reference
 
-_BUS, _ESTIMATE, _MOTORS = (
+_BUS, _ESTIMATE, _MOTORS, _WHEELS = (
     [name for name in INTERFACE.names("input") if name.startswith(groups)]
-    for groups in (("reference.", "preview["), ("estimate.",), ("motor_available.",))
+    for groups in (("reference.", "preview["), ("estimate.",), ("motor_available.",), ("wheel_speed.",))
 )
 _STANDING = 0.01  # m/s: the estimate of a car this slow need not change
 _ABSURD = 1e9  # beyond it a number on an input is no measurement
@@ -38,12 +38,15 @@ def sample(p: Signals, u: Signals, x: Parts) -> tuple[Parts, Parts]:
     """States and outputs of one sample."""
     finite = u.over(ca.fabs(u.column) <= _ABSURD)
     u = u.over(ca.if_else(finite.column, u.column, 0))
-    routed, sighted, told = (ca.mmin(finite.pick(names)) for names in (_BUS, _ESTIMATE, _MOTORS))
+    routed, sighted, told, felt = (ca.mmin(finite.pick(names)) for names in (_BUS, _ESTIMATE, _MOTORS, _WHEELS))
     usable = routed * sighted * told
     ref = reference(p, u, x, routed)
     seen, e, near = _observe(p, u, x, ref.nodes[:, 0], (routed, sighted, usable))
-    seen["motors"] = ca.if_else(told, u.pick(_MOTORS), x["motors"])
-    car, wheels = seen["car"], (x["acceleration"], seen["motors"], x["forces"])
+    seen["motors"] = ca.if_else(told, u.vector("motor_available", WHEELS), x["motors"])
+    asked = (x["acceleration"], x["forces"], x["detection"])
+    seen["detection"], response = detection.detected(p, u, seen["car"], *asked, usable * felt)
+    available = seen["motors"] * (1 - seen["detection"]["lost"])
+    car, wheels = seen["car"], (x["acceleration"], available, x["forces"])
     first, later, step, reach = limits.limits(p, car, *wheels, x["command"])
     u_r, found, tracking = programs.predict(p, x, ref.nodes, near, seen["disturbance"], (first, later, step))
     fresh = (ref.age <= p["trajectory.timeout"]) * (seen["estimate_age"] <= p["estimate.timeout"])
@@ -74,6 +77,8 @@ def sample(p: Signals, u: Signals, x: Parts) -> tuple[Parts, Parts]:
         **named(
             "disturbance", ("longitudinal", "lateral", "speed", "sideslip", "yaw", "yaw_rate"), after["disturbance"]
         ),
+        **named("motor_response", WHEELS, response),
+        **named("motor_lost", WHEELS, available < 1),
         **_told("solver", tracking),
         **_told("allocation", shares),
         "fallback.active": braking,

@@ -6,13 +6,14 @@ from fmukit.reference_run import ReferenceRun
 from fmus.cars.wheels import WHEELS
 from fmus.controllers.high_level_lqr.reference_run import car_beside
 
-_LOST = 2.0
+_LOST, _RADIUS = 2.0, 0.302
 
 
 def _inputs(t: float) -> dict[str, float]:
     """The trajectory bus, a car 0.2 m to the left with its yaw rate, and a motor lost, at time t [s]."""
     bus = car_beside(t)
-    return bus | {"estimate.yaw_rate": bus["reference.yaw_rate"], "motor_available.rr": float(t < _LOST)}
+    rolling = {f"wheel_speed.{wheel}": bus["estimate.velocity.x"] / _RADIUS for wheel in WHEELS}
+    return bus | rolling | {"estimate.yaw_rate": bus["reference.yaw_rate"], "motor_available.rr": float(t < _LOST)}
 
 
 RUN = ReferenceRun(

@@ -6,7 +6,7 @@ import casadi as ca
 
 from fmukit.kernel import Layout, Parts
 from fmus.controllers.bus import SAMPLE
-from fmus.controllers.mpc_allocator import memory, plan, tracking_qp
+from fmus.controllers.mpc_allocator import detection, memory, plan, tracking_qp
 from fmus.controllers.mpc_allocator.horizon import NODES
 from fmus.controllers.mpc_allocator.linearise import N_U, N_X
 
@@ -30,7 +30,8 @@ STATES = Layout(
     acceleration=2,  # of the body then, behind the wheel loads [m/s2]
     disturbance=N_X - 1,
     beside=N_U,  # inputs applied then less those of the reference
-    motors=4,  # motors available then
+    motors=4,  # motors available then, as told
+    detection=detection.STATES,
     plan=N_U * NODES,  # inputs planned
     alone=1,  # s since a plan was found
     fallbacks=1,
