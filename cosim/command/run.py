@@ -47,6 +47,7 @@ def run_command(
     explain: Annotated[bool, typer.Option("--explain", help="Print order, periods, edges and conversions.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON and nothing else.")] = False,
+    strict: Annotated[bool, typer.Option("--strict", help="Exit with 1 when the mission was missed.")] = False,
     no_report: Annotated[bool, typer.Option("--no-report", help="Draw no overview.png.")] = False,
 ) -> None:
     """Run a scenario and write its results."""
@@ -65,7 +66,7 @@ def run_command(
         print(finished.summary.json())
     elif not quiet:
         show(finished.summary, target)
-    _leave(finished.summary)
+    _leave(finished.summary, strict=strict)
 
 
 def _explainer(*, to_stderr: bool) -> Callable[[RunPlan], None]:
@@ -92,7 +93,7 @@ def _draw(finished: Finished, file: Path) -> None:
         raise RunFailedError(sentence) from None
 
 
-def _leave(summary: Summary) -> None:
-    if summary.status != "ok":
+def _leave(summary: Summary, *, strict: bool) -> None:
+    if summary.status != "ok" and (strict or summary.status != "missed"):
         kind = RunInterruptedError if summary.status == "interrupted" else RunFailedError
         raise kind(f"{summary.reason}; the results so far are kept")

@@ -4,18 +4,24 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
+from cosim.engine.master import Status
 from cosim.results.summary import Summary
+from cosim.scenario.limit import Verdict
 from cosim.scenario.metric import Metric
 from fmukit.console import console_of
 
 _OF_ONE = re.compile(r"([a-z]+\d+)\.(.+)")
 """Metrics of one of many vehicles, such as car3.formation_error_rms."""
+_STYLES: dict[Status, str] = {"ok": "green", "missed": "bold red", "failed": "bold red", "interrupted": "yellow"}
+_KEPT = {True: ("green", "no"), False: ("bold red", "yes"), None: ("dim", "not known")}
+"""Whether what a limit is named after has happened."""
 _LEAST = 7
 """Characters that a column needs for its values."""
 
@@ -23,15 +29,28 @@ _LEAST = 7
 def show(summary: Summary, folder: Path) -> None:
     """The metrics, what the run cost, and where the results are."""
     console = console_of()
-    console.print(f"{summary.scenario}, seed {summary.seed}: {summary.status}")
+    style = _STYLES[summary.status]
+    console.print(f"{summary.scenario}, seed {summary.seed}: [{style}]{summary.status}[/]")
     if summary.reason:
-        console.print(summary.reason, markup=False)
+        console.print(summary.reason, style=style, markup=False, soft_wrap=True)
+    if summary.limits:
+        console.print(_limits(summary.limits))
     of_all = {name: metric for name, metric in summary.metrics.items() if not _OF_ONE.fullmatch(name)}
     if of_all:
         console.print(_one_per_row(of_all))
     _show_vehicles(console, summary.metrics)
     speed = f"{summary.wall_time:.2f} s for {summary.stop_time:g} s, {summary.real_time_factor:.1f} x real time"
     console.print(f"ran in {speed}; results in {folder}", soft_wrap=True, markup=False)
+
+
+def _limits(verdicts: Sequence[Verdict]) -> Table:
+    table = Table(header_style="bold")
+    for heading in ("limit", "", "seen and allowed"):
+        table.add_column(heading)
+    for verdict in sorted(verdicts, key=lambda verdict: verdict.kept is not False):
+        style, word = _KEPT[verdict.kept]
+        table.add_row(verdict.limit.words, f"[{style}]{word}[/]", escape(verdict.text))
+    return table
 
 
 def _one_per_row(metrics: Mapping[str, Metric]) -> Table:

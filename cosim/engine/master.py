@@ -32,7 +32,8 @@ from fmukit.errors import because
 _BLOCK = 64  # ticks between two looks at the interrupt flag and the progress display
 
 
-Status = Literal["ok", "failed", "interrupted"]
+Status = Literal["ok", "missed", "failed", "interrupted"]
+"""`missed`: the run went to its end, but not as its scenario wants."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,6 +13,7 @@ from cosim.engine.master import Outcome, Status
 from cosim.model.assembly import Node
 from cosim.model.clock import SECOND, to_seconds
 from cosim.results.provenance import Provenance, command_line
+from cosim.scenario.limit import Verdict
 from cosim.scenario.metric import Metric
 from fmukit import files
 
@@ -34,7 +35,7 @@ class Summary:
     """The content of summary.json; its keys are the names of these fields, and `units` of the metrics beside them.
 
     scenario          name of the scenario
-    status            "ok", "failed" or "interrupted"
+    status            "ok"; "missed" where a limit of the scenario was not kept; "failed"; "interrupted"
     reason            one sentence; empty when the status is "ok", unless an FMU ended the simulation itself
     stop_time         simulated time reached [s]
     wall_time         real time it took [s], without loading and initialising
@@ -45,6 +46,8 @@ class Summary:
     command           the command line of the process
     provenance        what the run was made of, see `cosim.results.provenance.Provenance`
     instances         what each instance did, by its name
+    limits            what the scenario wants of its metrics, by what is wrong where it is not kept: `metric`, `value`,
+                      `most`, `least`, and whether it was `kept` (null where the value is not known)
     metrics           figures of the run by name; in the file the values stand under `metrics` (null for NaN) and their
                       units under `units`
     """
@@ -62,11 +65,13 @@ class Summary:
     provenance: Provenance
     instances: Mapping[str, InstanceSummary]
     metrics: Mapping[str, Metric] = field(default_factory=dict)
+    limits: Sequence[Verdict] = ()
 
     def data(self) -> dict[str, Any]:
         """The summary as JSON has it: plain values only, metrics apart from their units."""
         plain = asdict(self) | {"unrecorded": list(self.unrecorded)}
         plain["provenance"] = self.provenance.data()
+        plain["limits"] = {verdict.limit.words: _plain(verdict) for verdict in self.limits}
         plain["metrics"] = {name: _finite(metric.value) for name, metric in self.metrics.items()}
         return plain | {"units": {name: metric.unit for name, metric in self.metrics.items()}}
 
@@ -82,6 +87,7 @@ def summarise(
     nodes: Mapping[str, Node],
     provenance: Provenance,
     metrics: Mapping[str, Metric],
+    limits: Sequence[Verdict] = (),
     record_every: int = 0,
     unrecorded: Sequence[str] = (),
 ) -> Summary:
@@ -101,6 +107,7 @@ def summarise(
         provenance=provenance,
         instances={name: _instance(name, node, outcome) for name, node in nodes.items()},
         metrics=metrics,
+        limits=tuple(limits),
     )
 
 
@@ -116,6 +123,12 @@ def _instance(name: str, node: Node, outcome: Outcome) -> InstanceSummary:
         calls=outcome.calls.get(name, 0),
         time=outcome.times.get(name, 0) / SECOND,
     )
+
+
+def _plain(verdict: Verdict) -> dict[str, Any]:
+    limit = verdict.limit
+    bounds = {"value": verdict.value, "most": limit.most, "least": limit.least}
+    return {"metric": limit.metric, **{name: _finite(value) for name, value in bounds.items()}, "kept": verdict.kept}
 
 
 def _finite(value: float) -> float | None:

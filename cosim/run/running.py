@@ -10,7 +10,7 @@ from pathlib import Path
 
 from cosim.engine.advice import pass_on
 from cosim.engine.loader import Loader
-from cosim.engine.master import Master, Outcome
+from cosim.engine.master import Master, Outcome, Status
 from cosim.engine.slave import Slave, SlaveError
 from cosim.errors import CosimError
 from cosim.model.clock import SECOND, to_seconds
@@ -24,6 +24,7 @@ from cosim.run.claim import claimed
 from cosim.run.interrupts import interrupts
 from cosim.run.prepare import RunPlan, plan
 from cosim.run.request import Request
+from cosim.scenario.limit import Verdict, judged, missed
 from cosim.scenario.metric import Metrics
 from fmukit.errors import because
 
@@ -47,8 +48,12 @@ class Finished:
         """Draw the picture of the results into `file`, if the scenario has one; raises OSError."""
         made = self.plan.configured
         if len(self.results.time) > 1:
-            title, chosen = self.plan.request.scenario.title, self.plan.provenance.text()
-            made.work.draw(self.results, made.prepared, file, "\n".join(filter(None, [title, chosen])))
+            lines = [self.plan.request.scenario.title, self._verdict(), self.plan.provenance.text()]
+            made.work.draw(self.results, made.prepared, file, "\n".join(filter(None, lines)))
+
+    def _verdict(self) -> str:
+        """What a reader must not miss; nothing where all went well."""
+        return "" if self.summary.status == "ok" else f"{self.summary.status.upper()}: {self.summary.reason}"
 
 
 def run(
@@ -123,13 +128,16 @@ def _concluded(made: RunPlan, outcome: Outcome) -> Finished:
     request, configured = made.request, made.configured
     results = load_results(request.folder, _facts(made))
     metrics: Metrics = {}
+    verdicts: list[Verdict] = []
     try:
         if len(results.time) > 1:
             metrics = configured.work.metrics(results, configured.prepared)
-            outcome = _judged(outcome, configured.work.failure(results, configured.prepared))
+            verdicts = judged(configured.work.limits, metrics)
+            outcome = _judged(outcome, "failed", configured.work.failure(results, configured.prepared))
+            outcome = _judged(outcome, "missed", missed(verdicts))
     except Exception as error:  # code of the scenario's author, after a run whose results are good
         outcome = _unmeasured(outcome, error)
-    about = (request.scenario.name, request.seed, outcome, made.nodes, made.provenance, metrics)
+    about = (request.scenario.name, request.seed, outcome, made.nodes, made.provenance, metrics, verdicts)
     summary = summarise(*about, request.interval, request.unrecorded)
     try:
         write_summary(summary, request.folder)
@@ -139,9 +147,9 @@ def _concluded(made: RunPlan, outcome: Outcome) -> Finished:
     return Finished(made, summary, results)
 
 
-def _judged(outcome: Outcome, failure: str) -> Outcome:
-    """The outcome in the eyes of its scenario, whose sentence says why the run failed, if it did."""
-    return replace(outcome, status="failed", reason=failure) if failure and outcome.status == "ok" else outcome
+def _judged(outcome: Outcome, status: Status, reason: str) -> Outcome:
+    """The outcome in the eyes of its scenario: that `status` where it has a reason for it."""
+    return replace(outcome, status=status, reason=reason) if reason and outcome.status == "ok" else outcome
 
 
 def _unmeasured(outcome: Outcome, error: Exception) -> Outcome:

@@ -7,6 +7,7 @@ work, in this order:
     system = build(settings, prepared)          instances and wires
     prepared = complete(configuration, prepared)    what follows from the values the user set, as defaults of others
     metrics(results, prepared)                  what the run is worth
+    limits                                      what metrics have to keep to, or the mission is missed
     failure(results, prepared)                  why it failed all the same, one sentence, or nothing
     draw(results, prepared, file, title)        its picture
 
@@ -22,6 +23,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cosim.errors import CosimError
+from cosim.scenario.limit import Limit
 from cosim.scenario.metric import Metrics
 from cosim.scenario.settings import NumberSetting, Setting, Settings
 
@@ -78,7 +80,8 @@ def _no_metrics(_results: Results, _prepared: Any) -> Metrics:
 class Work:
     """What a scenario does, step by step (see the module).
 
-    A run that went well all the same has the status "failed" when `failure` has a sentence for it. `picture` is the
+    A run that went to its end has the status "missed" when a metric is beyond one of the `limits`, and "failed" when
+    `failure` has a sentence for it. `picture` is the
     dotted name of the module with `draw(results, prepared, file, title)`, imported only when there is something to
     draw; without it there is no picture.
     """
@@ -87,6 +90,7 @@ class Work:
     prepare: Callable[[Settings], Any] = _nothing
     complete: Callable[[Configuration, Any], Any] = _as_it_is
     metrics: Callable[[Results, Any], Metrics] = _no_metrics
+    limits: Sequence[Limit] = ()
     failure: Callable[[Results, Any], str] = _none
     picture: str | None = None
 

@@ -8,6 +8,7 @@ from cosim.scenario.definition import Work
 from cosim.scenario.settings import Settings
 from scenarios.arbitrary_path.metrics import arbitrary_path_metrics, given_up
 from scenarios.arbitrary_path.road import LaidRoad, half_width, lay
+from scenarios.shared.limits import LEFT_ROAD, SPUN
 from scenarios.shared.sensors import TRUE_STATES, WHEEL_SPEEDS
 from scenarios.shared.start import Offset, beside, start_at
 
@@ -60,6 +61,7 @@ WORK = Work(
     build=build,
     complete=complete,
     metrics=arbitrary_path_metrics,
+    limits=(LEFT_ROAD, SPUN),
     failure=given_up,
     picture="scenarios.arbitrary_path.picture",
 )

@@ -8,18 +8,21 @@ from cosim.errors import CosimError
 from cosim.model.configuration import Configuration
 from cosim.model.system import System
 from cosim.scenario.definition import Work
+from cosim.scenario.limit import Limit
 from cosim.scenario.settings import Settings
 from fmus.cars import published
 from fmus.cars.grip import with_grip
 from fmus.cars.wheels import WHEELS
 from scenarios.collision_avoidance.evasion import Evasion, evasion
 from scenarios.collision_avoidance.metrics import avoidance_metrics
+from scenarios.shared.limits import SPUN
 from scenarios.shared.sensors import TRUE_STATES, WHEEL_SPEEDS
 from scenarios.shared.start import start_on_reference
 
 _USED = 0.85
 """Part of the friction within which the wheel forces stay; MpcAllocator does not know that a longitudinal force takes
 from the lateral one (engineering choice, enough for 8 m/s2)."""
+
 _SAME = 1e-8
 """Relative and absolute tolerance of equal numbers; the plan keeps nine digits."""
 
@@ -81,5 +84,10 @@ WORK = Work(
     build=avoiding_system,
     complete=complete,
     metrics=avoidance_metrics,
+    limits=(
+        Limit("hit the obstacle", "impact", most=0),
+        Limit("left the road", "road_margin_min", least=0),
+        SPUN,
+    ),
     picture="scenarios.collision_avoidance.picture",
 )

@@ -9,6 +9,7 @@ from cosim.model.face import Value
 from cosim.scenario.definition import Work
 from scenarios.formation.complete import complete_formation
 from scenarios.formation.law import Law
+from scenarios.formation.limits import LIMITS
 from scenarios.formation.metrics import formation_metrics
 from scenarios.formation.system import formation_system
 from scenarios.formation.timetable import Shapes, arranged
@@ -21,6 +22,7 @@ def formation_work(law: Law, reference: Mapping[str, Value], shapes: Shapes) -> 
         build=partial(formation_system, law, reference),
         complete=complete_formation,
         metrics=formation_metrics,
+        limits=LIMITS,
         picture="scenarios.formation.picture",
     )
 

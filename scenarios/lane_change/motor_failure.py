@@ -10,6 +10,7 @@ from cosim.scenario.settings import Settings
 from scenarios.lane_change.metrics import motor_failure_metrics
 from scenarios.lane_change.plan import LaneChange, start_beside_plan
 from scenarios.lane_change.planar import planar_lane_change, planar_system
+from scenarios.shared.limits import LEFT_ROAD, SPUN
 
 _MARGIN = 0.1
 """Distance [m] by which the plan keeps off the edges of the corridor, for the feedback to use."""
@@ -28,5 +29,6 @@ WORK = Work(
     build=failing_system,
     complete=start_beside_plan,
     metrics=motor_failure_metrics,
+    limits=(LEFT_ROAD, SPUN),
     picture="scenarios.lane_change.picture",
 )

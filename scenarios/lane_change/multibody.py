@@ -11,6 +11,7 @@ from fmus.cars.nominal import DESIGN
 from fmus.planner.planned_cars import multibody
 from scenarios.lane_change.metrics import multibody_metrics
 from scenarios.lane_change.plan import LaneChange, lane_change, start_beside_plan
+from scenarios.shared.limits import LEFT_ROAD, SATURATED, SPUN
 from scenarios.shared.sensors import TRUE_RATES, TRUE_YAW_RATE, WHEEL_SPEEDS, add_sensors, feed_back
 
 _SERVOS = 0.02
@@ -59,5 +60,6 @@ WORK = Work(
     build=multibody_system,
     complete=complete,
     metrics=multibody_metrics,
+    limits=(LEFT_ROAD, SPUN, SATURATED),
     picture="scenarios.lane_change.picture",
 )

@@ -12,6 +12,7 @@ from cosim.scenario.settings import Settings
 from fmus.planner.planned_cars import thesis
 from scenarios.lane_change.metrics import lane_change_metrics
 from scenarios.lane_change.plan import LaneChange, lane_change, start_beside_plan
+from scenarios.shared.limits import LEFT_ROAD, SPUN
 from scenarios.shared.sensors import TRUE_STATES, WHEEL_SPEEDS
 
 
@@ -37,5 +38,6 @@ WORK = Work(
     build=planar_system,
     complete=start_beside_plan,
     metrics=lane_change_metrics,
+    limits=(LEFT_ROAD, SPUN),
     picture="scenarios.lane_change.picture",
 )

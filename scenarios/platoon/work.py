@@ -8,6 +8,7 @@ from cosim.model.system import System
 from cosim.scenario.definition import Work
 from cosim.scenario.settings import Settings
 from scenarios.formation.complete import complete_formation
+from scenarios.formation.limits import LIMITS
 from scenarios.formation.system import formation_system
 from scenarios.formation.topology import HEAD, prefix
 from scenarios.platoon.laws import LAWS
@@ -45,5 +46,6 @@ WORK = Work(
     build=build,
     complete=complete,
     metrics=platoon_metrics,
+    limits=LIMITS,
     picture="scenarios.formation.picture",
 )

@@ -11,9 +11,12 @@ from cosim.model.system import System
 from cosim.scenario.definition import Work
 from cosim.scenario.settings import Settings
 from scenarios.shared.actuator import tell_the_actuator
+from scenarios.shared.limits import INCONSISTENT, SATURATED, SPUN, off_path
 from scenarios.shared.sensors import TRUE_RATES, add_sensors, feed_back
 from scenarios.shared.start import start_on_reference
 from scenarios.tracking.metrics import tracking_metrics
+
+LIMITS = (off_path(1.0), SPUN, SATURATED, *INCONSISTENT)
 
 
 def tracking(reference: Mapping[str, Value]) -> Work:
@@ -22,6 +25,7 @@ def tracking(reference: Mapping[str, Value]) -> Work:
         build=partial(tracking_system, reference),
         complete=complete,
         metrics=tracking_metrics,
+        limits=LIMITS,
         picture="scenarios.tracking.picture",
     )
 

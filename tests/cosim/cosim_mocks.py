@@ -125,7 +125,9 @@ def faces_of(mocks: Mapping[str, Mock]) -> dict[str, Face]:
 def scenario_of(name: str, build: Callable[..., System], *, stop_time: float = 1.0, **options: Any) -> Scenario:
     """A scenario whose work is `build(settings, prepared)`; options of `Work` and of `Scenario` by their names."""
     module = ModuleType(f"scenario_{name}")
-    steps = {step: options.pop(step) for step in ("prepare", "complete", "metrics", "picture") if step in options}
+    steps = {
+        step: options.pop(step) for step in ("prepare", "complete", "metrics", "limits", "picture") if step in options
+    }
     module.WORK = Work(build, **steps)  # type: ignore[attr-defined]
     sys.modules[module.__name__] = module
     return Scenario(name, options.pop("title", name), "none", stop_time, module.__name__, **options)

@@ -16,6 +16,7 @@ from pyarrow import parquet
 from cosim.command.main import main
 from cosim.model.system import System
 from cosim.results.reading import Facts, load_results
+from cosim.scenario.limit import Limit
 from cosim.scenario.metric import Metric
 from cosim.scenario.settings import NumberSetting, Setting
 
@@ -34,6 +35,7 @@ SUMMARY = {
     "instances": dict,
     "metrics": dict,
     "units": dict,
+    "limits": dict,
 }
 
 
@@ -131,6 +133,27 @@ def test_many_vehicles_are_a_row_each(cosim, tanks, tank, offer, tmp_path):
     assert [row for row in rows if row[:1] == ["car3"]] == [["car3", "0.5000", "90.000"]]
     assert "more of each vehicle in summary.json" in out
     assert len(json.loads((tmp_path / "summary.json").read_text())["metrics"]) == 35
+
+
+@pytest.mark.parametrize(("most", "status"), [(3.0, "ok"), (0.5, "missed")])
+def test_a_run_is_held_against_the_limits_of_its_scenario(cosim, tanks, tank, offer, tmp_path, most, status):
+    limits = [Limit("ran over", "poured", most=most), Limit("ran dry", "nothing", least=1.0)]
+    offer(tanks(limits=limits, metrics=measured), {"Tank": tank})
+    line = ["run", "tanks", "--set", "first.inflow=3", "-o", str(tmp_path), "--no-report"]
+    code, out, _ = cosim(*line)
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    reason = "ran over (poured = 3, at most 0.5)" if status == "missed" else ""
+    assert (code, summary["status"], summary["reason"]) == (0, status, reason)
+    assert out.startswith(f"tanks, seed 0: {status}\n{reason}")
+    assert summary["limits"]["ran over"] == {
+        "metric": "poured",
+        "value": 3.0,
+        "most": most,
+        "least": None,
+        "kept": status == "ok",
+    }
+    assert summary["limits"]["ran dry"]["kept"] is None, "what is not known is not held against the run"
+    assert cosim(*line, "--strict")[0] == (0 if status == "ok" else 1)
 
 
 def test_rows_only_every_so_often(cosim, tmp_path):

@@ -63,6 +63,7 @@ def test_what_cannot_be_avoided_says_how_fast_it_was_hit(scenario_run):
     metrics, results = driven.summary.metrics, driven.results
     assert metrics["decision"].value == 3
     assert (metrics["impact"].value, metrics["clearance_min"].value) == (1, 0)
+    assert (driven.summary.status, driven.summary.reason) == ("missed", "hit the obstacle (impact = 1, at most 0)")
     assert metrics["impact_speed"].value == pytest.approx(metrics["impact_speed_expected"].value, abs=0.6)
     assert metrics["impact_speed_expected"].value == pytest.approx(np.sqrt(25**2 - 16 * 15.5))
     nose = results["plant.position.x"] + 2.0
@@ -124,7 +125,7 @@ def test_where_there_is_no_room_the_last_points_to_steer_are_null_and_keep_their
 
 def test_the_same_run_gives_the_same_bytes(tmp_path):
     for folder in ("a", "b"):
-        assert run(Request(load(NAME), tmp_path / folder, [("scenario.distance", "25")])).summary.status == "ok"
+        assert run(Request(load(NAME), tmp_path / folder, [("scenario.distance", "25")])).summary.status == "missed"
     assert (tmp_path / "a" / "results.parquet").read_bytes() == (tmp_path / "b" / "results.parquet").read_bytes()
 
 
