@@ -109,7 +109,7 @@ def _quality() -> list[Variable]:
         output("fix.used_count", "1", "number of fixes used in full"),
         output("fix.refused_count", "1", "number of fixes refused, wholly or in part, as outliers or as too old"),
         output("fix.refused_for", "s", "time since a fix was refused without one used in full since; 0: none was"),
-        output("fix.refused_long", "1", "1 while that is longer than 1 s"),
+        output("fix.refused_long", "1", "1 while that is longer than 1 s and more than one was refused"),
     ]
 
 

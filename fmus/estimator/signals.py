@@ -47,7 +47,7 @@ def outputs(p: Signals, u: Signals, belief: Parts, verdict: Parts, tally: Parts,
         "fix.used_count": tally["used"],
         "fix.refused_count": tally["refused"],
         "fix.refused_for": refused_for,
-        "fix.refused_long": refused_for > _LONG,
+        "fix.refused_long": ca.logic_and(refused_for > _LONG, tally["in_a_row"] > 1),
     }
 
 

@@ -9,6 +9,7 @@ from fmukit.direct import Direct
 from fmukit.kernel import block
 from fmus.estimator.navigation import BELIEF, PACKED, full
 from fmus.estimator.profiles import profile
+from fmus.sensors.gps.profiles import profile as receiver
 
 SEEDS = 12
 ESTIMATED = {
@@ -164,8 +165,6 @@ def test_an_unknown_start_is_decided_by_the_first_fix(chain):
 
 @pytest.mark.parametrize("mode", ["dgps", "standalone"])
 def test_coarser_receivers_with_matching_assumptions(chain, mode):
-    from fmus.sensors.gps.profiles import profile as receiver  # noqa: PLC0415
-
     settings = {"gps": receiver(mode), "filter": profile(gps=mode)}
     outcomes = [navigate(seed, *chain, settings=settings) for seed in range(4)]
     nis = np.mean([y["nis.position"][new_fixes(y)].mean() for y in outcomes])
@@ -274,3 +273,32 @@ def test_profile_of_the_assumptions_is_the_default():
     assert all(declared[name] == value for name, value in starts.items())
     with pytest.raises(ValueError, match="automotive, mems, tactical"):
         profile(imu="space")
+
+
+def standalone(seeds, chain, laps):
+    """RMS of the position's error per axis and the mean of its square over its variance, once the first fix is in."""
+    signals = truth(16.0 * laps, T, "weave", laps)
+    settings = {"gps": receiver("standalone"), "filter": profile(gps="standalone")}
+    gaps, shares = [], []
+    for seed in seeds:
+        y = navigate(seed, *chain, settings=settings, signals=signals)
+        for name in ("position.x", "position.y"):
+            error = errors(y, signals)[name][200:]
+            gaps.append(rms(error))
+            shares.append(np.mean((error / y[f"std.{name}"][200:]) ** 2))
+    return rms(np.array(gaps)), float(np.mean(shares))
+
+
+def test_the_estimate_begins_with_the_slow_error_of_the_receiver(chain):
+    """Over twelve runs it errs by the 1.5 m that the receiver does, and says so."""
+    error, share = standalone(range(12), chain, 1)
+    assert error == pytest.approx(1.5, rel=0.3)
+    assert share == pytest.approx(1.0, abs=0.5)
+
+
+@pytest.mark.nightly
+def test_the_slow_error_of_the_receiver_is_borne_over_its_correlation_time(chain):
+    """Four minutes each: twice the correlation time."""
+    error, share = standalone(range(6), chain, 15)
+    assert error == pytest.approx(1.5, rel=0.3)
+    assert share == pytest.approx(1.0, abs=0.5)
