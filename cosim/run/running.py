@@ -48,12 +48,18 @@ class Finished:
         """Draw the picture of the results into `file`, if the scenario has one; raises OSError."""
         made = self.plan.configured
         if len(self.results.time) > 1:
-            lines = [self.plan.request.scenario.title, self._verdict(), self.plan.provenance.text()]
+            lines = [_title(self.plan.request), self._verdict(), self.plan.provenance.text()]
             made.work.draw(self.results, made.prepared, file, "\n".join(filter(None, lines)))
 
     def _verdict(self) -> str:
         """What a reader must not miss; nothing where all went well."""
         return "" if self.summary.status == "ok" else f"{self.summary.status.upper()}: {self.summary.reason}"
+
+
+def _title(request: Request) -> str:
+    """What the scenario says it is, or with which files of the user it was run instead of its own."""
+    files = [Path(value).name for name, value in request.assignments if name.endswith("_file") and value]
+    return f"{request.scenario.name} with {', '.join(files)}" if files else request.scenario.title
 
 
 def run(

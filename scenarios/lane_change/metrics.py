@@ -20,10 +20,11 @@ _AVAILABLE = "plant.motor_available."
 
 
 def lane_change_metrics(results: Results, change: LaneChange) -> Metrics:
-    """Metrics of a drive."""
+    """Metrics of a drive; those of the corridor only of a drive through it."""
+    corridor = change.corridor
     return {
-        "final_time": Metric(final_time(results, change.corridor), "s"),
-        "corridor_violation_max": Metric(violation(results, change.corridor), "m"),
+        "final_time": Metric(final_time(results, corridor) if corridor else math.nan, "s"),
+        "corridor_violation_max": Metric(violation(results, corridor) if corridor else math.nan, "m"),
         **mpc_metrics(results),
     }
 

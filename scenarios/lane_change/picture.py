@@ -59,12 +59,15 @@ def draw(results: Results, change: LaneChange, file: Path, title: str) -> None:
     draw_page(results, file, title, partial(_path, corridor=change.corridor), panels)
 
 
-def _path(results: Results, axes: Any, corridor: Corridor) -> None:
-    _corridor(axes, corridor)
+def _path(results: Results, axes: Any, corridor: Corridor | None) -> None:
+    if corridor is not None:
+        _corridor(axes, corridor)
     driven_path(results, axes)
     car_outlines(results, axes)
-    axes.set(xlabel="x [m]", ylabel="y [m], four times as wide", title="path, car drawn every 0.5 s")
-    axes.set_aspect(4.0, adjustable="datalim")
+    wide = 4.0 if corridor is not None else 1.0
+    label = "y [m], four times as wide" if corridor is not None else "y [m]"
+    axes.set(xlabel="x [m]", ylabel=label, title="path, car drawn every 0.5 s")
+    axes.set_aspect(wide, adjustable="datalim")
     axes.grid(alpha=0.3)
     axes.legend(loc="upper left", ncols=3)
 

@@ -20,9 +20,12 @@ _INTERVALS = 160
 
 @dataclass(frozen=True, slots=True)
 class LaneChange:
-    """The `corridor`, the plan through it in `trajectory_file`, and how far from the plan the car starts."""
+    """The `corridor`, the plan through it in `trajectory_file`, and how far from the plan the car starts.
 
-    corridor: Corridor
+    None is the corridor of a run whose reference is another trajectory.
+    """
+
+    corridor: Corridor | None
     trajectory_file: Path
     offset: Offset
 
@@ -40,6 +43,8 @@ def lane_change(settings: Settings, vehicle: Vehicle, margin: float = 0.0) -> La
 
 
 def start_beside_plan(configuration: Configuration, change: LaneChange) -> LaneChange:
-    """The car starts as far from the plan as the settings say."""
+    """The car starts as far from the plan, or another trajectory if one is set, as the settings say."""
     start_on_reference(configuration, change.offset)
+    if configuration.value("reference", "trajectory_file") != str(change.trajectory_file):
+        return replace(change, corridor=None)
     return change

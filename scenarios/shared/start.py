@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+
 from cosim.model.configuration import Configuration
+from fmus.controllers.reference.interface import COLUMNS as REFERENCE_COLUMNS
 from fmus.controllers.reference.interface import INTERFACE as REFERENCE
+from fmus.controllers.reference.playback import played
 from scenarios.shared.tables import read_columns
+from scenarios.shared.trajectory_check import check_trajectory
+
+_LOG = logging.getLogger("cosim")
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +54,7 @@ def first_point(configuration: Configuration, car: str = "") -> Point:
     reference = f"{car}reference"
     file = str(configuration.value(reference, "trajectory_file"))
     if file:
-        return _first_row(file)
+        return point_at_zero(file)
     names = ("initial.x", "initial.y", "initial.course", "initial_speed")
     return Point(*(configuration.number(reference, name) for name in names))
 
@@ -60,10 +68,20 @@ def start_at(configuration: Configuration, point: Point, car: str = "") -> None:
                 configuration.default(instance, f"initial.{variable}", value)
 
 
-def _first_row(file: str) -> Point:
-    """The first row of a trajectory, read as ReferenceTrajectory reads it."""
+def point_at_zero(file: str) -> Point:
+    """Where a trajectory is at time 0, as ReferenceTrajectory plays it: before its first row straight on."""
     columns = read_columns(file, REFERENCE)
-    return Point(*(float(columns[name][0]) for name in Point._fields))
+    check_trajectory(file, columns)
+    begin = float(columns["time"][0])
+    if begin > 0:
+        _LOG.warning("trajectory %s begins at %g s only: before, its first row is extended straight on", file, begin)
+    elif begin < 0:
+        _LOG.warning("trajectory %s begins at %g s: what lies before time 0 is not driven", file, begin)
+    if begin == 0:
+        return Point(*(float(columns[name][0]) for name in Point._fields))
+    table = np.column_stack([columns[name] for name in REFERENCE_COLUMNS])
+    x, y, course, speed, *_ = played(table, 0.0).tolist()
+    return Point(x, y, course, speed)
 
 
 def _wrapped(angle: float) -> float:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
 
 from fmukit.kernel import Block, block
 from fmus.cars.rotation import wrap
@@ -42,6 +44,15 @@ def lookup(times: int, rows: int) -> Block:
         return _between.function.map(times)(*rows_of, inside.T, (t - inside).T)
 
     return found
+
+
+def played(table: NDArray[np.float64], t: float) -> NDArray[np.float64]:
+    """x, y, course, speed, acceleration, curvature (6,) of a trajectory (n, 7) at t [s], as the FMU plays it."""
+    n = len(table)
+    rows, at = ca.MX.sym("table", n, _COUNT), ca.MX.sym("t")
+    whole = canonical(rows, ca.MX(n))
+    found = lookup(1, n)(ca.vec(whole), ca.vertcat(whole[0, 0], whole[n - 1, 0]), at)
+    return np.asarray(ca.Function("played", [rows, at], [found])(table, t)).ravel()
 
 
 @block(left=_COUNT, right=_COUNT, t=1, beyond=1)
