@@ -7,38 +7,46 @@ the messages into accelerations five times as rough, and keep the cars no nearer
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 
 from cosim.model.configuration import Configuration
+from scenarios.formation.advice import advise
 from scenarios.formation.start import start_in_formation
 from scenarios.formation.timetable import Formation
 from scenarios.formation.topology import HEAD, prefix
 from scenarios.shared.actuator import tell_the_actuator
 
-_LED_ALONG = "AdaptiveFollower"
+LED = {"AdaptiveFollower": ("yaw_rate", "speed"), "ConstraintFollower": ("yaw_rate",)}
+"""By model of the follower: the delays of its car it makes up for."""
+_REMEDIES = "use scenario.frame=head, or give scenario.headway"
 _HOLD = 0.010
 """Half the period [s] of a follower: a command that is held comes that much late."""
 _LONGEST = 0.5  # s, the largest lead there is
 
 
-def complete_formation(configuration: Configuration, formation: Formation) -> Formation:
-    """Start the cars in their places, and tell the head's controller and the followers what delays their cars have."""
+def complete_formation(
+    configuration: Configuration,
+    formation: Formation,
+    led: Mapping[str, Sequence[str]] = LED,
+    remedies: str = _REMEDIES,
+) -> Formation:
+    """Start the cars in their places, and tell the head's controller and the followers what delays their cars have.
+
+    Where errors will grow from car to car, that and `remedies` are said. `led` are the delays followers make up for.
+    """
     start_in_formation(configuration, formation)
     if f"{prefix(HEAD)}llc" in configuration:
         tell_the_actuator(configuration, prefix(HEAD))
-    _tell_the_leads(configuration, formation.leaders)
+    _tell_the_leads(configuration, formation.leaders, led)
+    advise(configuration, formation, remedies)
     return formation
 
 
-def _tell_the_leads(configuration: Configuration, followers: Iterable[int]) -> None:
-    """`lead.yaw_rate`, and of adaptive followers `lead.speed`, become the delays of what the follower commands.
-
-    What was set by hand stays.
-    """
+def _tell_the_leads(configuration: Configuration, followers: Iterable[int], led: Mapping[str, Sequence[str]]) -> None:
+    """`lead.*` become the delays of what the follower commands, unless set by hand; `led` says which of its model."""
     for k in followers:
         follower = f"{prefix(k)}follower"
-        led = ("yaw_rate", "speed") if configuration.model(follower) == _LED_ALONG else ("yaw_rate",)
-        for what in led:
+        for what in led.get(configuration.model(follower), ()):
             lead = min(_HOLD + _delay(configuration, prefix(k), what), _LONGEST)
             configuration.default(follower, f"lead.{what}", lead)
 

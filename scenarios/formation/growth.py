@@ -11,6 +11,7 @@ acceleration, F = (1 + 3 T_f s)/(1 + T_f s)^3:
     adaptive    Gamma = (D s + C)/(s (1 + tau s)(1 + (tau_r + h) s) + C (1 + h s (1 + tau s))),   C = K + K_i/s
                 D = 1 + (tau_r + tau_l) F s where rates are heard, 0 where they are learnt
     constraint  Gamma = (F s^2 + K_d s + K_p)/(s^2 (1 + tau s) + K_d s + K_p) / (1 + h s w^2/(s + w)^2)
+                without F s^2 where the head's acceleration stands in for the leader's
 
 with tau_r = `realise.speed_time`, tau_l = `lead.speed`, w = `headway.filter`. Messages are taken to be always there.
 """
@@ -49,11 +50,12 @@ class AdaptiveLink(Link):
 
 @dataclass(frozen=True, slots=True)
 class ConstraintLink(Link):
-    """omega_n [rad/s], zeta, and the bandwidth w [rad/s] of the headway."""
+    """omega_n [rad/s], zeta, the bandwidth w [rad/s] of the headway, and whether the head's speed is told to all."""
 
     omega_n: float
     zeta: float
     headway_filter: float
+    told: bool = False
 
 
 def across(behind: float, hand: float) -> float:
@@ -83,4 +85,5 @@ def _adaptive(link: AdaptiveLink, s: np.ndarray, filtered: np.ndarray) -> np.nda
 def _constraint(link: ConstraintLink, s: np.ndarray, filtered: np.ndarray) -> np.ndarray:
     law = 2 * link.zeta * link.omega_n * s + link.omega_n**2
     back = 1 + link.headway * s * (link.headway_filter / (s + link.headway_filter)) ** 2
-    return np.asarray((filtered * s**2 + law) / (s**2 * (1 + link.lag * s) + law) / back)
+    own = filtered * s**2 * (not link.told)
+    return np.asarray((own + law) / (s**2 * (1 + link.lag * s) + law) / back)

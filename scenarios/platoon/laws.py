@@ -13,6 +13,9 @@ bias integrates; at low frequency |1/Gamma|^2 = 1 + omega^2 (h^2 - 2 h tau - 2/K
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+from cosim.scenario.settings import Settings
 from scenarios.formation.law import Law, adaptive_gains
 
 HEADWAY = 1.0
@@ -24,9 +27,31 @@ _TOLD = {"gain": 2.0, "adaptation.output": 0.01, "adaptation.hidden": 0.005}
 it takes a network that learns slowly and a gain that the lags leave well damped."""
 _BACK = {"headway.filter": 5.0}
 """Of constraint followers: with the slower filter they start with, they pass on fast motions as without headway."""
+_HEARD = {"heard_rates": True, "link.patience": 1.0}
+"""Of adaptive followers that keep a headway, or see the head: with neither, a speed passed on from car to car grows
+faster than one that is learnt (`scenarios.formation.growth`: 3.0 instead of 2.0). With rates a lost message is carried
+further."""
+_SHORTEST_MEMORY, _LONGEST_MEMORY = 0.3, 0.5
+"""Of the filter of the leader's rates [s]: half the headway, within these. What a long one smooths of late and lost
+messages it delays of the leader's braking; the more headway, the less that is passed on."""
+_APART = 0.2
+"""Headway [s] from which on rates that are heard grow less than those that are learnt."""
+LED = {"AdaptiveFollower": ("speed",), "ConstraintFollower": ("yaw_rate",)}
+"""By model of the follower: the delays of its car it makes up for. On a straight a lead of the yaw rate of adaptive
+followers would pass on more of that than it takes."""
 _DURATION = {"formation.duration": 12.0}  # s; a gap of one headway opens so slowly that nobody brakes hard
 LAWS = {
     "adaptive": Law("AdaptiveFollower", parameters={**_DURATION, **adaptive_gains(GAIN)}, told=_TOLD),
     "constraint": Law("ConstraintFollower", parameters={**_DURATION, **_BACK}),
 }
 """By the name they have in the setting."""
+
+
+def law_of(settings: Settings) -> Law:
+    """The law that the settings name, with what its followers use of what they hear."""
+    law = LAWS[settings["law"]]
+    apart = settings["topology"] == "star" or settings["headway"] >= _APART
+    if law.model != "AdaptiveFollower" or not apart:
+        return law
+    memory = min(max(_SHORTEST_MEMORY, 0.5 * settings["headway"]), _LONGEST_MEMORY)
+    return replace(law, parameters={**law.parameters, **_HEARD, "leader.filter_time": memory})

@@ -2,7 +2,8 @@
 
 Across the road, the wanted point at r in the leader's axes swings with its yaw angle, and a hand point a ahead of O1
 answers with y (1 + s a/v): what the law makes of it is multiplied by (1 + s r/v)/(1 + s a/v). With r = a - gap the
-swinging grows from car to car unless a >= gap/2; the hand point is therefore put where the leader is, r = 0.
+swinging grows from car to car unless a >= gap/2, and least with r = 0. With a headway the gap changes with the speed;
+the hand point is put where the leader is half-way between the lowest and the highest speed.
 """
 
 from __future__ import annotations
@@ -17,6 +18,8 @@ from scenarios.formation.topology import HEAD, Place, offsets
 
 SPEED = 25.0
 """Of the platoon [m/s]; the headway that the gaps begin with is that of this speed."""
+_MIDDLE = 17.5
+"""Half-way between the speeds the head brakes from and to [m/s]."""
 _MOVE_IN = 14.0  # s after the gap began to open
 _LONGEST_HAND = 50.0  # m; what a follower accepts
 _SAME = 1e-6  # m
@@ -41,8 +44,8 @@ def with_merge(formation: Formation, settings: Settings, begin: float) -> Format
 
 def hand_distances(formation: Formation, settings: Settings) -> dict[int, float]:
     """`hand.distance` [m] by number of the follower: the hand points are where the leaders are, as far as they can."""
-    row = _row(settings)
-    return {k: min(row[leader][0] - row[k][0], _LONGEST_HAND) for k, leader in formation.leaders.items()}
+    row, nearer = _row(settings), settings["headway"] * (SPEED - _MIDDLE)
+    return {k: min(row[leader][0] - row[k][0] - nearer, _LONGEST_HAND) for k, leader in formation.leaders.items()}
 
 
 def _moved(before: Mapping[int, Place], after: Mapping[int, Place]) -> dict[int, Place]:

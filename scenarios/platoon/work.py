@@ -11,17 +11,18 @@ from scenarios.formation.complete import complete_formation
 from scenarios.formation.limits import LIMITS
 from scenarios.formation.system import formation_system
 from scenarios.formation.topology import HEAD, prefix
-from scenarios.platoon.laws import LAWS
+from scenarios.platoon.laws import LED, law_of
 from scenarios.platoon.metrics import platoon_metrics
 from scenarios.platoon.prepare import Platoon, prepare
 
+_REMEDIES = "give more scenario.headway (0.5 s is enough), or use scenario.topology=star"
 _FORCE, _FORCE_TIME = -6000.0, 1.0  # N, s
 
 
 def build(settings: Settings, platoon: Platoon) -> System:
     """The platoon and what happens to it."""
     reference = {"trajectory_file": str(platoon.trajectory)}
-    system = formation_system(LAWS[settings["law"]], reference, settings, platoon.formation)
+    system = formation_system(law_of(settings), reference, settings, platoon.formation)
     for k, distance in platoon.hand_distances.items():
         system.set(f"{prefix(k)}follower.hand.distance", distance)
     if "push" in platoon.events:
@@ -37,7 +38,7 @@ def complete(configuration: Configuration, platoon: Platoon) -> Platoon:
         raise CosimError(
             f"{prefix(HEAD)}reference.trajectory_file is the manoeuvre of the scenario; set scenario.manoeuvre"
         )
-    complete_formation(configuration, platoon.formation)
+    complete_formation(configuration, platoon.formation, LED, _REMEDIES)
     return platoon
 
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 import pytest
+from scenario_types import Configured
 
 from cosim.model.system import parse_assignments
 from cosim.run.request import Request
@@ -55,3 +57,53 @@ def test_any_number_of_cars_is_kept_in_the_whole_manoeuvre(law: str, topology: s
     """A star has the shape of a chain, and seen from the head is the same."""
     cars = (LIGHT, f"scenario.vehicles={size}", f"scenario.topology={topology}")
     check(values(drive(law, tmp_path, *cars)), size)
+
+
+def said(caplog: pytest.LogCaptureFixture) -> list[str]:
+    return [record.getMessage() for record in caplog.records if "errors are expected to grow" in record.getMessage()]
+
+
+@pytest.mark.parametrize(
+    ("name", "assignments", "sentence"),
+    [
+        (
+            "formation-constraint",
+            ("scenario.topology=chain",),
+            r"along 3 links .* up to 2\.11 per link, since what",
+        ),
+        (
+            "formation-constraint",
+            ("scenario.vehicles=13",),
+            r"along 4 links .* up to 4\.00 .* 20 m behind a hand of 4",
+        ),
+        ("formation-adaptive", ("scenario.vehicles=7",), r"along 3 links .*; use scenario\.frame=head, or give"),
+        ("platoon", ("scenario.headway=0",), r"along 9 links .*; give more scenario\.headway \(0\.5 s is enough\)"),
+    ],
+)
+def test_growth_that_theory_expects_is_said_with_its_factor(
+    name: str, assignments: tuple[str, ...], sentence: str, configured: Configured, caplog: pytest.LogCaptureFixture
+) -> None:
+    chain = () if name == "platoon" else ("scenario.frame=neighbour",)
+    configured(name, LIGHT, *assignments, *chain)
+    (text,) = said(caplog)
+    assert re.search(sentence, text)
+
+
+@pytest.mark.parametrize(
+    ("name", "assignments"),
+    [
+        ("formation-constraint", ("scenario.vehicles=50",)),
+        ("formation-constraint", ("scenario.frame=neighbour",)),  # a diamond of four: one link
+        ("formation-adaptive", ("scenario.topology=chain",)),
+        ("platoon", ()),
+        ("platoon", ("scenario.headway=0.5",)),
+        ("platoon", ("scenario.law=constraint",)),
+        ("platoon", ("scenario.headway=0", "scenario.topology=star")),
+        ("platoon", ("scenario.headway=0", "scenario.feedforward=on")),
+    ],
+)
+def test_nothing_is_said_where_nothing_grows(
+    name: str, assignments: tuple[str, ...], configured: Configured, caplog: pytest.LogCaptureFixture
+) -> None:
+    configured(name, LIGHT, *assignments)
+    assert said(caplog) == []

@@ -68,6 +68,11 @@ def ratios(metrics: dict[str, float], cars: int) -> dict[str, float]:
     return {name: metrics[name] for name in names}
 
 
+def greatest(found: dict[str, float]) -> float:
+    """The largest that is known; 0 where no error ever rose above the floor of a ratio."""
+    return max((value for value in found.values() if not math.isnan(value)), default=0.0)
+
+
 def test_braking_grows_along_a_chain_without_a_remedy(drive: Drive) -> None:
     metrics = values(drive(*LIGHTEST, *CHAIN0, manoeuvre="braking", stop=BRAKING.end))
     assert min(ratios(metrics, 3).values()) > 1.2
@@ -116,7 +121,7 @@ def test_a_push_of_one_car_is_not_passed_on_by_constraint_followers(drive: Drive
 def test_with_headway_no_ratio_exceeds_105_percent_and_a_push_and_a_merge_end_well(drive: Drive) -> None:
     finished = drive(*LIGHT, manoeuvre="events")
     metrics, results = values(finished), finished.results
-    assert max(ratios(metrics, 4).values()) <= 1.05
+    assert greatest(ratios(metrics, 4)) <= 1.05
     assert max(metrics[f"car{k}.speed_ratio_max"] for k in (2, 3, 4)) <= 1.05
     assert metrics["settling_time"] < 14.0
     assert metrics["push_error_max"] > 2 * metrics["push_error_ahead_max"]
@@ -218,7 +223,7 @@ def test_ten_cars_of_full_stack_with_headway(drive: Drive, seed: int) -> None:
     metrics = values(drive(manoeuvre="braking", stop=BRAKING.end, seed=seed))
     found = ratios(metrics, 10)
     print({name: round(value, 3) for name, value in found.items()})
-    assert max(found.values()) <= 1.05
+    assert greatest(found) <= 1.05
     assert metrics["collision"] == 0.0
 
 
@@ -242,9 +247,36 @@ def test_ten_cars_of_full_stack_without_a_remedy(drive: Drive) -> None:
 def test_all_events_with_ten_cars_of_full_stack(drive: Drive) -> None:
     finished = drive(manoeuvre="events")
     metrics, results = values(finished), finished.results
-    assert max(ratios(metrics, 10).values()) <= 1.05
+    assert greatest(ratios(metrics, 10)) <= 1.05
     assert metrics["collision"] == 0.0
     assert metrics["push_error_ahead_max"] < 0.05
     same = drive(manoeuvre="events", stop=10.0).results
     rows = same.time < 10.0
     assert all(np.array_equal(same[name][rows], results[name][: rows.sum()]) for name in same.names)
+
+
+BAD = ("car*.radio.loss.probability=0.3", "car*.radio.latency=0.1")
+"""Every third message lost, and all late."""
+
+
+def check_decay(drive: Drive, cars: int, *assignments: str, seed: int = 0) -> None:
+    """No ratio above 1.05, and the last car is no worse than the first follower."""
+    metrics = values(drive(*assignments, f"scenario.vehicles={cars}", manoeuvre="braking", stop=BRAKING.end, seed=seed))
+    errors = [metrics[f"car{k}.formation_error_rms"] for k in range(2, cars + 1)]
+    largest = greatest(ratios(metrics, cars))
+    print([round(e, 3) for e in errors], round(largest, 3))
+    assert largest <= 1.05
+    assert errors[-1] <= 1.05 * max(errors[0], 0.05)
+    assert max(metrics[f"car{k}.speed_ratio_max"] for k in range(2, cars + 1)) <= 1.05
+    assert metrics["collision"] == 0.0
+    assert metrics["led_back_time"] == 0.0
+
+
+def test_half_of_the_headway_holds_with_rates_that_are_heard(drive: Drive) -> None:
+    check_decay(drive, 4, "scenario.plant=unicycle", "scenario.headway=0.5")
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("seed", [0, 1])
+def test_twenty_cars_bear_late_and_lost_messages(drive: Drive, seed: int) -> None:
+    check_decay(drive, 20, "scenario.plant=unicycle", *BAD, seed=seed)
