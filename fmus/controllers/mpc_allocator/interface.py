@@ -71,6 +71,8 @@ _OUTPUTS: list[Variable] = [
     output("disturbance.yaw_rate", "rad/s2", "yaw acceleration that the model does not explain"),
     *group(output, "motor_response", WHEELS, "1", "force of the wheel by its slip over the force asked for"),
     *group(output, "motor_lost", WHEELS, "1", "1 once the motor is known or found to be lost, else 0"),
+    output("friction.counted", "1", "friction of the road that is counted on, as a part of that of the parameters"),
+    output("friction.slow", "1", "1 while the path is followed without its times for want of friction, else 0"),
     output("solver.status", "1", "prediction: 1 solved, other values of OSQP; 0: inputs unusable, nothing was solved"),
     output("solver.iterations", "1", "prediction: iterations"),
     output("solver.time", "s", "prediction: time of the solver, 0 unless solver.timed"),

@@ -119,10 +119,13 @@ def within(delay: ca.MX, past: ca.MX, read: ca.MX, speed: ca.MX, reach: float) -
     return clip(delay, earliest, latest), (delay <= latest) * ca.logic_or(delay >= earliest, speed <= _SLOWEST)
 
 
-def pace(delay: ca.MX, v: ca.MX, speed: ca.MX, lost: ca.MX) -> ca.MX:
-    """How fast the reference is gone through: 1 in time; with a delay the ratio of the speeds of car and reference."""
+def pace(delay: ca.MX, v: ca.MX, speed: ca.MX, lost: ca.MX, slow: ca.MX) -> ca.MX:
+    """How fast the reference is gone through: 1 in time; with a delay the ratio of the speeds of car and reference.
+
+    That ratio too when the car is `slow` for want of friction.
+    """
     ratio = clip(v / ca.fmax(speed, _SLOWEST), ca.if_else(lost, _LEAST, 0.05), FASTEST)
-    part = ca.fmin(ca.fabs(delay) / _EASE, 1) * (speed > _SLOWEST)
+    part = ca.fmax(ca.fmin(ca.fabs(delay) / _EASE, 1), slow) * (speed > _SLOWEST)
     return 1 + part * (ratio - 1)
 
 

@@ -7,7 +7,7 @@ import casadi as ca
 from fmukit.kernel import Kernel, Parts, Signals, named, sampled_kernel
 from fmus.cars.wheels import WHEELS
 from fmus.clip import clip
-from fmus.controllers.mpc_allocator import detection, limits, observe, plan, programs, states, tracking_qp
+from fmus.controllers.mpc_allocator import detection, grip, limits, observe, plan, programs, states, tracking_qp
 from fmus.controllers.mpc_allocator.horizon import NODES
 from fmus.controllers.mpc_allocator.interface import INTERFACE
 from fmus.controllers.mpc_allocator.linearise import N_U
@@ -40,14 +40,18 @@ def sample(p: Signals, u: Signals, x: Parts) -> tuple[Parts, Parts]:
     u = u.over(ca.if_else(finite.column, u.column, 0))
     routed, sighted, told, felt = (ca.mmin(finite.pick(names)) for names in (_BUS, _ESTIMATE, _MOTORS, _WHEELS))
     usable = routed * sighted * told
-    ref = reference(p, u, x, routed)
-    seen, e, near = _observe(p, u, x, ref.nodes[:, 0], (routed, sighted, usable))
+    assumed, part = p, grip.applied(p, x["grip"]["friction"])
+    p = grip.adapted(assumed, part)
+    ref = reference(p, u, x, routed, part)
+    seen, e, near, missed = _observe(p, u, x, ref.nodes[:, 0], (routed, sighted, usable))
+    then = (x["car"], x["forces"], x["acceleration"])
+    seen["grip"] = grip.learnt(assumed, *then, missed, part, x["grip"], usable)
     seen["motors"] = ca.if_else(told, u.vector("motor_available", WHEELS), x["motors"])
     asked = (x["acceleration"], x["forces"], x["detection"])
     seen["detection"], response = detection.detected(p, u, seen["car"], *asked, usable * felt)
     available = seen["motors"] * (1 - seen["detection"]["lost"])
     car, wheels = seen["car"], (x["acceleration"], available, x["forces"])
-    first, later, step, reach = limits.limits(p, car, *wheels, x["command"])
+    first, later, step, reach = limits.limits(p, car, *wheels, x["command"], part)
     u_r, found, tracking = programs.predict(p, x, ref.nodes, near, seen["disturbance"], (first, later, step))
     fresh = (ref.age <= p["trajectory.timeout"]) * (seen["estimate_age"] <= p["estimate.timeout"])
     good = usable * fresh * ref.known * tracking.good
@@ -77,6 +81,8 @@ def sample(p: Signals, u: Signals, x: Parts) -> tuple[Parts, Parts]:
         **named(
             "disturbance", ("longitudinal", "lateral", "speed", "sideslip", "yaw", "yaw_rate"), after["disturbance"]
         ),
+        "friction.counted": part,
+        "friction.slow": after["slow"],
         **named("motor_response", WHEELS, response),
         **named("motor_lost", WHEELS, available < 1),
         **_told("solver", tracking),
@@ -90,17 +96,19 @@ def sample(p: Signals, u: Signals, x: Parts) -> tuple[Parts, Parts]:
     return after, y | {"solver.status": usable * tracking.status}
 
 
-def _observe(p: Signals, u: Signals, x: Parts, node: ca.MX, told: tuple[ca.MX, ...]) -> tuple[Parts, ca.MX, ca.MX]:
-    """States of the car, errors and limited errors; `told`: are the bus, the estimate, all inputs usable.
+def _observe(
+    p: Signals, u: Signals, x: Parts, node: ca.MX, told: tuple[ca.MX, ...]
+) -> tuple[Parts, ca.MX, ca.MX, ca.MX]:
+    """States of the car, errors, limited errors, and what the model missed of beta' and omega_z'.
 
-    Without a usable bus the errors are those before.
+    `told`: are the bus, the estimate, all inputs usable. Without a usable bus the errors are those before.
     """
     routed, sighted, usable = told
     estimate, elapsed = u.pick(_ESTIMATE), x["estimate_age"] + p["sample_period"]
     moving = ca.sumsqr(u.vector("estimate.velocity", "xy")) > _STANDING**2
     new = sighted * (1 - ca.mmin(estimate == x["estimate"]) * moving * x["started"])
     then = {name: x[name] for name in observe.THEN.sizes}
-    car, e, near, d, acceleration = observe.observed(p, u, node, then, new, x["known"] * usable * new, elapsed)
+    car, e, near, d, acceleration, missed = observe.observed(p, u, node, then, new, x["known"] * usable * new, elapsed)
     age = ca.if_else(new, 0, ca.fmin(elapsed, _ABSURD))
     seen = {
         "car": car,
@@ -111,7 +119,7 @@ def _observe(p: Signals, u: Signals, x: Parts, node: ca.MX, told: tuple[ca.MX, .
         "acceleration": acceleration,
         "errors": ca.if_else(routed, e, x["errors"]),
     }
-    return seen, seen["errors"], ca.if_else(usable, near, 0)
+    return seen, seen["errors"], ca.if_else(usable, near, 0), missed
 
 
 def _starts(tracking: programs.Solved, shares: programs.Solved) -> Parts:

@@ -52,7 +52,8 @@ def observed(
     learning  0: d is kept
     elapsed   time since the last estimate [s]
 
-    e_delta is the error of the angle the steering has by its lag.
+    e_delta is the error of the angle the steering has by its lag. Last comes what of beta' and omega_z' the motion of
+    the car without d does not explain (2), zero where nothing can be learnt.
     """
     car, lag, U, d = design_car(p), p["actuator.steer_lag"], then["forces"], then["disturbance"]
     unexplained = ca.vertcat(turned(d[:2], -node[2]), d[2:], 0)
@@ -71,7 +72,8 @@ def observed(
     d_now = ca.if_else(p["integral.gain"] > 0, d_now, 0)
     e = errors(x, node)
     _, acceleration = wheel_rate(car, x, U, then["acceleration"])
-    return tuple(ca.cse([x, e, _limited(e, LARGEST_ERROR), moving * d_now, acceleration]))
+    unknown = ca.logic_and(learning, plausible) * (d + missed)[[3, 5]]
+    return tuple(ca.cse([x, e, _limited(e, LARGEST_ERROR), moving * d_now, acceleration, unknown]))
 
 
 def measured(u: Signals, delta: ca.SX) -> ca.SX:

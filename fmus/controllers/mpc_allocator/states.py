@@ -6,7 +6,7 @@ import casadi as ca
 
 from fmukit.kernel import Layout, Parts
 from fmus.controllers.bus import SAMPLE
-from fmus.controllers.mpc_allocator import detection, memory, plan, tracking_qp
+from fmus.controllers.mpc_allocator import detection, grip, memory, plan, tracking_qp
 from fmus.controllers.mpc_allocator.horizon import NODES
 from fmus.controllers.mpc_allocator.linearise import N_U, N_X
 
@@ -32,6 +32,9 @@ STATES = Layout(
     beside=N_U,  # inputs applied then less those of the reference
     motors=4,  # motors available then, as told
     detection=detection.STATES,
+    grip=grip.STATES,
+    slow=1,  # 1 while the path is followed without its times for want of friction
+    path_acceleration=1,  # of the reference at the sample before, in its own times [m/s2]
     plan=N_U * NODES,  # inputs planned
     alone=1,  # s since a plan was found
     fallbacks=1,
@@ -45,4 +48,4 @@ STATES = Layout(
 
 def start() -> Parts:
     """The states before the first sample, but for zeros: no plan to follow, all motors working."""
-    return {"alone": plan.LENGTH, "motors": ca.DM.ones(4), "pace": 1.0}
+    return {"alone": plan.LENGTH, "motors": ca.DM.ones(4), "pace": 1.0, "grip": {"friction": 1.0, "variance": 0.0}}

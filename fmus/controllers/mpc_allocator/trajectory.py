@@ -8,8 +8,9 @@ from typing import Any
 import casadi as ca
 
 from fmukit.kernel import Parts, Signals, choose
-from fmus.controllers.mpc_allocator import horizon, memory, plan
+from fmus.controllers.mpc_allocator import grip, horizon, memory, plan
 
+_AHEAD = ca.DM([0.1 * k for k in range(31)])  # s: where bends are looked for
 _STANDING = 0.01  # m/s: a reference this slow need not move
 _OLDEST = 1e6  # s
 _SPARE = 0.5  # s: so much is left of the memory behind the car when it is kept as it is
@@ -39,17 +40,19 @@ class _Kept:
     lost: ca.MX
 
 
-def reference(p: Signals, u: Signals, x: Parts, usable: ca.MX) -> Reference:
-    """The reference for inputs u and states x."""
+def reference(p: Signals, u: Signals, x: Parts, usable: ca.MX, part: ca.MX) -> Reference:
+    """The reference for inputs u and states x, on a road that gives a part of the friction once assumed."""
     Ts, gap = p["sample_period"], p["trajectory.gap"]
     bus = _kept(u, x, usable, Ts, gap)
     begun, lost, read = bus.begun, bus.lost, ca.fmin(bus.age, p["trajectory.timeout"])
     delay, e_s = begun * (x["delay"] + (1 - x["pace"]) * Ts), begun * x["errors"][0]
-    delay = memory.delayed(delay, e_s, x["path_speed"], ca.if_else(lost, 0, gap))
+    delay = memory.delayed(delay, e_s, x["path_speed"], ca.if_else(ca.logic_or(lost, x["slow"]), 0, gap))
     delay, known = memory.within(delay, bus.past, read, x["path_speed"], plan.LENGTH)
-    pace = memory.pace(delay, x["car"][2], x["path_speed"], lost)
+    pace = memory.pace(delay, x["car"][2], x["path_speed"], lost, x["slow"])
     braking = lost * memory.braking(p["fallback.deceleration"], x["car"][2], x["path_speed"])
     end = ca.if_else(lost, bus.past[0, -1], memory.SEEN)
+    slow, slowing = _slowed(p, u, x, (bus.past, read - delay, end), pace, part)
+    braking = ca.fmax(braking, slowing)
     count = 2 * horizon.NODES + 1
     path = memory.along(u, bus.past, memory.Passage(read - delay, pace, braking, end), horizon.times(Ts))
     path, ahead = path[:, :count], path[:, count:]
@@ -61,11 +64,26 @@ def reference(p: Signals, u: Signals, x: Parts, usable: ca.MX) -> Reference:
         "delay": delay,
         "pace": pace,
         "path_speed": path[3, 0] / pace,
+        "path_acceleration": (path[4, 0] + path[3, 0] / pace * braking) / pace**2,
+        "slow": slow,
         "zero_dynamics": horizon.later(p, z, path, ahead, Ts),
     }
     kept = choose(usable, found, x)
     states = kept | {"age": bus.age, "bus": bus.bus}
     return Reference(horizon.reference(p, z, path), bus.age, known, kept["lost"], states)
+
+
+def _slowed(
+    p: Signals, u: Signals, x: Parts, where: tuple[ca.MX, ca.MX, ca.MX], pace: ca.MX, part: ca.MX
+) -> tuple[ca.MX, ca.MX]:
+    """1 if the path is now followed without its times, and the loss of pace [1/s] that keeps to what the road bears."""
+    past, start, end = where
+    passage = memory.Passage(start, ca.MX(1), ca.MX(0), end)
+    ahead = memory.along(u, past, passage, ca.MX(_AHEAD))
+    bears = grip.allowed(p, part, x["car"][2], ahead)
+    planned = x["path_acceleration"] * pace**2
+    slow = (part < 1) * ca.logic_or(x["slow"], bears < planned)
+    return slow, slow * ca.fmax(planned - bears, 0) / ca.fmax(x["path_speed"], 1)
 
 
 def _kept(u: Signals, x: Parts, usable: ca.MX, Ts: ca.MX, gap: ca.MX) -> _Kept:
