@@ -69,7 +69,12 @@ class Provenance:
     def text(self) -> str:
         """What the user chose, as the lines of a title; empty where nothing was."""
         chosen = " ".join([*self.set, *(f"at {event}" for event in self.at)])
-        return textwrap.fill(textwrap.shorten(chosen, _LINES * _WIDTH, placeholder=" ..."), _WIDTH)
+        return lines_of_title(chosen)
+
+
+def lines_of_title(text: str) -> str:
+    """The text in a few lines that fit over a picture."""
+    return textwrap.fill(textwrap.shorten(text, _LINES * _WIDTH, placeholder=" ..."), _WIDTH)
 
 
 def command_line() -> str:

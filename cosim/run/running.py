@@ -15,7 +15,7 @@ from cosim.engine.slave import Slave, SlaveError
 from cosim.errors import CosimError
 from cosim.model.clock import SECOND, to_seconds
 from cosim.results.columns import Texts
-from cosim.results.provenance import KEY
+from cosim.results.provenance import KEY, lines_of_title
 from cosim.results.reading import Facts, Results, load_results
 from cosim.results.recorder import Recorder, recorded
 from cosim.results.storage import PARQUET, STREAM
@@ -53,7 +53,8 @@ class Finished:
 
     def _verdict(self) -> str:
         """What a reader must not miss; nothing where all went well."""
-        return "" if self.summary.status == "ok" else f"{self.summary.status.upper()}: {self.summary.reason}"
+        made = self.summary
+        return "" if made.status == "ok" else lines_of_title(f"{made.status.upper()}: {made.reason}")
 
 
 def _title(request: Request) -> str:

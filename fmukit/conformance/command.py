@@ -30,6 +30,8 @@ def check_files(
 ) -> None:
     """Check FMI 2.0 co-simulation FMUs: archive, model description, life cycle, behaviour, isolation."""
     _usable(files, groups)
+    if report is not None:
+        _writable(report, files)
     found = []
     for k, file in enumerate(files, start=1):
         with Console(stderr=True).status(escape(f"checking {file}")):
@@ -48,6 +50,14 @@ def _write(report: Path, found: Sequence[tuple[Path, Sequence[Finding]]], strict
         junit.write(report, found, strict=strict)
     except OSError as error:
         raise UserError(f"cannot write {report}: {because(error)}; give --junit another file") from None
+
+
+def _writable(report: Path, files: Sequence[Path]) -> None:
+    """Before the long check: the report must not take the place of an FMU, and its folder must be there."""
+    if report.resolve() in [file.resolve() for file in files]:
+        raise UserError(f"--junit {report} would overwrite the FMU; give it another file")
+    if report.is_dir() or not report.parent.is_dir():
+        raise UserError(f"cannot write {report}: it is a folder or in none that exists; give --junit another file")
 
 
 def _usable(files: Sequence[Path], groups: str) -> None:

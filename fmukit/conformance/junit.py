@@ -7,7 +7,7 @@ from pathlib import Path
 
 from junitparser import Error, Failure, JUnitXml, Skipped, TestCase, TestSuite
 
-from fmukit.conformance.report import said
+from fmukit.conformance.report import printable, said
 from fmukit.conformance.rule import Finding
 
 Result = Error | Failure | Skipped
@@ -20,7 +20,7 @@ def write(file: Path, found: Iterable[tuple[Path, Sequence[Finding]]], *, strict
     """
     report = JUnitXml("fmus check")
     for path, findings in found:
-        suite = TestSuite(str(path))
+        suite = TestSuite(printable(str(path)))
         suite.add_testcases([_case(path, finding, strict) for finding in findings])
         report.add_testsuite(suite)
     report.update_statistics()  # type: ignore[no-untyped-call]
@@ -29,7 +29,7 @@ def write(file: Path, found: Iterable[tuple[Path, Sequence[Finding]]], *, strict
 
 def _case(path: Path, finding: Finding, strict: bool) -> TestCase:
     rule = finding.rule
-    case = TestCase(f"{rule.id} {rule.title}", f"{path.stem}.{rule.group}")
+    case = TestCase(f"{rule.id} {rule.title}", f"{printable(path.stem)}.{rule.group}")
     text = "\n".join(said(finding))
     if finding.is_broken("violation") or (strict and finding.is_broken("advice")):
         failure = Failure(rule.remedy, rule.severity)
@@ -38,5 +38,5 @@ def _case(path: Path, finding: Finding, strict: bool) -> TestCase:
     elif finding.is_broken("advice"):
         case.system_out = text
     elif finding.status == "skip":
-        case.result = [Skipped(" ".join(finding.seen))]
+        case.result = [Skipped(printable(" ".join(finding.seen)))]
     return case

@@ -29,7 +29,7 @@ def table(path: Path, findings: Sequence[Finding], *, everything: bool = False) 
         rule, word = finding.rule, _word(finding)
         grid.add_row(rule.id, _story(finding), Text(_section(rule)), Text(word, _STYLE[word]))
     reasons = [Text(f"{ids} skipped: {reason}", "dim") for reason, ids in _skipped(findings).items()]
-    return Group(*([grid] if shown else []), *reasons, Text(f"{path}: {summary(findings)}", "bold"))
+    return Group(*([grid] if shown else []), *reasons, Text(f"{printable(str(path))}: {summary(findings)}", "bold"))
 
 
 def summary(findings: Sequence[Finding]) -> str:
@@ -57,7 +57,7 @@ def sentences(path: Path, findings: Iterable[Finding], *, strict: bool) -> str:
 
 def said(finding: Finding) -> list[str]:
     """What was seen of a rule that does not hold, and the remedy, a line each."""
-    return [*(f"  - {_printable(seen)}" for seen in finding.seen), f"  > {finding.rule.remedy}"]
+    return [*(f"  - {printable(seen)}" for seen in finding.seen), f"  > {finding.rule.remedy}"]
 
 
 def rule_table(rules: Iterable[Rule[Any]]) -> str:
@@ -96,7 +96,7 @@ def _story(finding: Finding) -> Text:
     text = Text(finding.rule.title)
     if finding.status == "fail":
         for seen in finding.seen:
-            text.append(f"\n- {_printable(seen)}", _STYLE[finding.rule.severity])
+            text.append(f"\n- {printable(seen)}", _STYLE[finding.rule.severity])
         text.append(f"\n> {finding.rule.remedy}")
     return text
 
@@ -106,10 +106,10 @@ def _skipped(findings: Iterable[Finding]) -> dict[str, str]:
     ids: dict[str, list[str]] = {}
     for finding in findings:
         if finding.status == "skip":
-            ids.setdefault(_printable(" ".join(finding.seen)), []).append(finding.rule.id)
+            ids.setdefault(printable(" ".join(finding.seen)), []).append(finding.rule.id)
     return {reason: ", ".join(rules) for reason, rules in ids.items()}
 
 
-def _printable(text: str) -> str:
+def printable(text: str) -> str:
     """Names come from strangers and must not steer the terminal."""
     return "".join(c if c.isprintable() else " " if c.isspace() else f"\\x{ord(c):02x}" for c in text)

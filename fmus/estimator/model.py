@@ -94,17 +94,20 @@ def _leave(**a: ca.MX) -> tuple[ca.MX, ...]:
 def _correct_the_past(**a: ca.MX) -> tuple[ca.MX, ...]:
     """A fix: its parts into their rows, and from the checkpoint through all rows to now."""
     fix, start, tally = FIX.split(a["fix"]), a["checkpoint_age"], TALLY.split(a["tally"])
-    doubt = tally["in_a_row"] >= a["patience"]
+    doubt = tally["doubted"] >= a["patience"]
     rows = put(ca.reshape(a["rows"], ROW.size, ROWS), fix, start, doubt)
     kept = ca.fmin(ca.fmax(fix["place_age"], fix["drift_age"]), start)
     run = replay(a["checkpoint"], a["verdict"], rows, start, kept, a["assumed"])
-    there = present(fix)
-    good = ca.logic_and(in_reach(fix, start), VERDICT.split(run["verdict"])["accepted"])
+    there, reach = present(fix), in_reach(fix, start)
+    accepted = VERDICT.split(run["verdict"])["accepted"]
+    good = ca.logic_and(reach, accepted)
     refused, some = ca.sum1(ca.logic_and(there, ca.logic_not(good))) > 0, ca.sum1(there) > 0
+    unlikely = ca.sum1(ca.logic_and(ca.logic_and(there, reach), ca.logic_not(accepted))) > 0
     counted = {
         "used": tally["used"] + ca.logic_and(some, ca.logic_not(refused)),
         "refused": tally["refused"] + refused,
         "in_a_row": ca.if_else(some, refused * (tally["in_a_row"] + 1), tally["in_a_row"]),
+        "doubted": ca.if_else(some, unlikely * (tally["doubted"] + 1), tally["doubted"]),  # not what is too old
     }
     return run["belief"], run["checkpoint"], kept, ca.vec(rows), run["verdict"], TALLY.join(counted)
 

@@ -30,5 +30,5 @@ ASSUMED = Layout(
 """Sampling period [s], process noise, variance of a reading of roll or pitch [rad2], and the initial covariance."""
 VERDICT = Layout(nis=3, accepted=3)
 """Of the newest heading, position and velocity: NIS, and 1 where it was accepted."""
-TALLY = Layout(used=1, refused=1, in_a_row=1)
+TALLY = Layout(used=1, refused=1, in_a_row=1, doubted=1)
 """Fixes used in full, refused wholly or in part, and refused since the last one used in full."""

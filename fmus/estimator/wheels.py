@@ -6,7 +6,10 @@ import casadi as ca
 
 from fmukit.kernel import Parts
 from fmus.estimator.navigation import STATE, motion, quarter_turn
-from fmus.estimator.updating import OPEN, Estimate, linear
+from fmus.estimator.updating import Estimate, linear
+
+_GATE = 25.0
+"""Of the squared innovation over its variance, two degrees of freedom: passed by chance once in 270 000 readings."""
 
 
 def rear_axle(z: ca.SX, unit: Parts, arm: ca.SX) -> ca.SX:
@@ -19,7 +22,7 @@ def rear_axle(z: ca.SX, unit: Parts, arm: ca.SX) -> ca.SX:
 def roll(e: Estimate, unit: Parts, speed: ca.SX, rolling: Parts, arm: ca.SX) -> None:
     """Update: the rear axle moves at `speed` [m/s] and sideways by -k a_y speed, what its tyres need to push by a_y.
 
-    All errors are shares of the speed, but for a floor.
+    All errors are shares of the speed, read or expected, but for a floor: wheels that lock tell nothing.
     """
     states = STATE.symbol("z")
     expected, H = linear(rear_axle(states, unit, arm), states, e.z)
@@ -27,5 +30,6 @@ def roll(e: Estimate, unit: Parts, speed: ca.SX, rolling: Parts, arm: ca.SX) -> 
     slip = rolling["compliance"] * a[1]
     across = rolling["sideslip"] + rolling["slope"] * a[1] ** 2
     seen = ca.vertcat(speed, -slip * speed)
-    R = ca.diag(ca.vertcat(rolling["speed"], across) * speed**2 + rolling["floor"])
-    e.take(seen - expected, H, R, gate=ca.SX(OPEN), used=rolling["used"])
+    fastest = ca.fmax(speed**2, expected[0] ** 2)
+    R = ca.diag(ca.vertcat(rolling["speed"], across) * fastest + rolling["floor"])
+    e.take(seen - expected, H, R, gate=ca.SX(_GATE), used=rolling["used"])

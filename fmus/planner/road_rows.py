@@ -12,9 +12,13 @@ _ONWARD, _NEAR = 0.5, 3.0
 """A road that ends where it began: cosine of the corners there at least, and the gap at most in usual distances."""
 
 
+_SAME = 1e-6
+"""Points nearer to each other than that [m] are one point."""
+
+
 def checked_rows(rows: Array, closed: bool, name: str = "the road") -> Array:
     """The rows (n, 4), of a closed road without a last one at its first point; ValueError says what is wrong."""
-    if closed and len(rows) > 4 and (rows[0, :2] == rows[-1, :2]).all():
+    if closed and len(rows) > 4 and np.hypot(*(rows[0, :2] - rows[-1, :2])) < _SAME:
         rows = rows[:-1]
     if len(rows) < 4:
         raise ValueError(f"{name} has {len(rows)} points; give at least 4")
@@ -22,7 +26,7 @@ def checked_rows(rows: Array, closed: bool, name: str = "the road") -> Array:
         raise ValueError(f"{name} has a negative width in row {1 + int(np.argmin(rows[:, 2:].min(axis=1)))}")
     around = np.vstack([rows, rows[:1]]) if closed else rows
     gaps = np.hypot(*np.diff(around[:, :2], axis=0).T)
-    if not gaps.all():
+    if gaps.min() < _SAME:
         raise ValueError(f"{name} has the same point twice in a row, row {1 + int(np.argmin(gaps))}; drop one")
     if closed and min(_corners(rows[:, :2])) < _AGAINST:
         raise ValueError(

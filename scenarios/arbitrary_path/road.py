@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -18,9 +19,12 @@ from fmus.planner.program import standing_ends
 from fmus.planner.receding import built_in, offline, road, run
 from fmus.planner.receding.interface import INTERFACE as PLANNER
 from fmus.planner.receding.layout import HORIZON
+from fmus.planner.road_rows import checked_rows, is_ring
 from scenarios.shared.plans import planned, planned_along
 from scenarios.shared.start import Point
 from scenarios.shared.tables import read_columns
+
+_LOG = logging.getLogger("cosim")
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,8 +76,11 @@ def lay(configuration: Configuration) -> LaidRoad:
         x, y, speed, _, yaw, *_ = run.start(parameters, gates).x[0].tolist()
     except (ValueError, PlanningError) as error:
         raise CosimError(f"planner: {error}") from None
-    rows = table if len(table) else built_in.rows()
-    path = PathRoad(rows[:, :2], rows[:, 2:], 0.0, bool(parameters["road.closed"]))
+    closed = bool(parameters["road.closed"])
+    rows = checked_rows(table, closed) if len(table) else built_in.rows()
+    if not closed and is_ring(rows):
+        _LOG.warning("the road ends where it begins, but is driven as open; for laps set planner.road.closed=true")
+    path = PathRoad(rows[:, :2], rows[:, 2:], 0.0, closed)
     return LaidRoad(parameters, gates, Point(x, y, yaw, speed), path, half_width(configuration))
 
 

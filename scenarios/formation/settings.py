@@ -20,7 +20,9 @@ def formation_settings(vehicles: int, kind: str, spacing: float = 12.0) -> dict[
     """The settings of a formation: of `vehicles` cars, topology `kind` and `spacing` [m] unless told otherwise."""
     return {
         "vehicles": NumberSetting(vehicles, 1, _MOST, "1", "number of cars, the head included", whole=True),
-        "topology": Setting(kind, tuple(TOPOLOGIES), "who follows whom, and the shape at the start"),
+        "topology": Setting(
+            kind, tuple(TOPOLOGIES), "the shape at the start; with frame=neighbour also who follows whom"
+        ),
         "frame": Setting("head", FRAMES, "places in axes that trail from the head, or in those of the car followed"),
         "plant": Setting("16dof", tuple(PLANTS), "what drives"),
         **SENSORS,

@@ -73,6 +73,13 @@ def test_junit_holds_the_same(good: Path, bad: Path, tmp_path: Path) -> None:
     (failure,) = root.iter("failure")
     assert failure.getparent().get("name").startswith("X36 ")
     assert "has the nominal value -5.0" in failure.text
+    done = fmus("check", good, "--groups", "A", "--junit", good)
+    assert (done.status, done.err.count("\n")) == (2, 1)
+    assert "would overwrite the FMU" in done.err and good.read_bytes().startswith(b"PK")
+    odd = tmp_path / "a\x01b.fmu"
+    odd.write_bytes(good.read_bytes())
+    assert fmus("check", odd, "--groups", "A", "--junit", report).status == 0
+    assert etree.parse(report).find("testsuite").get("name").endswith("a\\x01b.fmu")
     done = fmus("check", good, "--groups", "A", "--junit", tmp_path)
     assert (done.status, done.err.count("\n")) == (2, 1)
     assert "give --junit another file" in done.err

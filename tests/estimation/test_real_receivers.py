@@ -146,3 +146,30 @@ def test_what_a_fix_does_not_have_changes_nothing(chain):
     silent = {f"gps.{name}_accuracy": np.zeros_like(held["gps.time"]) for name in ("position", "velocity")}
     third = estimate(inertial, held | silent, estimator, noise__gps_velocity=0.2, noise__gps_position=1.0)
     assert np.allclose(first["estimate.position.x"][clear], third["estimate.position.x"][clear], atol=1e-6)
+
+
+def test_wheels_that_lock_are_not_believed(chain):
+    """For 2 s they say that a moving car stands."""
+    imu, gps, estimator = chain
+    inertial, held, _ = readings(0, imu, gps)
+    signals = town()[1]
+    turning = np.abs(signals["time"] - 61.0) > 1.0
+    locked = {name: turning * signals[name] for name in ("wheel_speed.rl", "wheel_speed.rr")}
+    y = estimate(inertial, held | locked, estimator, wheels__used=True)
+    off = np.abs(y["estimate.velocity.x"] - signals["truth.velocity.x"])[signals["time"] > BEGUN]
+    assert off.max() < 2.0
+    assert y["fix.refused_count"][-1] <= 3
+
+
+def test_a_part_that_is_too_old_is_no_reason_to_doubt_the_rest(chain):
+    """Velocities from beyond the history are told as refused, and the estimate stays what positions make it."""
+    imu, gps, estimator = chain
+    fine, coarse = town()
+    settings = unit("mems") | {"sample_period": 0.02}
+    late = receiver("phone") | {"latency": 8.0, "velocity.delay": 1.0}
+    inertial = run(imu[0], coarse, settings, kernel=imu[1])
+    satellite = run(gps[0], fine, late, kernel=gps[1])
+    y = estimate(inertial, {name: values[::2] for name, values in satellite.items()}, estimator)
+    assert y["fix.refused_count"][-1] > 100
+    later = coarse["time"] > BEGUN
+    assert max(y[f"std.velocity.{axis}"][later].max() for axis in "xy") < 20.0

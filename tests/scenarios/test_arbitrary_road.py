@@ -95,13 +95,12 @@ def test_an_optimum_that_cannot_be_compared_is_unknown(
     assert caplog.messages[-1].startswith("optimum_time is unknown: ")
 
 
-def test_a_closed_road_has_no_end(configured: Configured, tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+def test_a_closed_road_is_compared_with_a_lap(configured: Configured, tmp_path: Path) -> None:
     angle = np.linspace(0.0, 2.0 * np.pi, 36, endpoint=False)
     write(tmp_path / "ring.csv", 60.0 * np.column_stack([np.cos(angle), np.sin(angle)]), 3.0, 3.0)
     ring = lay(configured("arbitrary-path", f"planner.road_file={tmp_path / 'ring.csv'}", "planner.road.closed=true"))
-    with caplog.at_level(logging.INFO, "cosim"):
-        assert np.isnan(optimal_time(ring))
-    assert caplog.messages[-1] == "optimum_time is unknown: a closed road has no end"
+    inside = 60.0 - 3.0 + 0.84
+    assert 2 * np.pi * inside / np.sqrt(6.8 * inside) < optimal_time(ring) < 2 * np.pi * 60.0 / 15.0, "begun at 15 m/s"
     results = drive(0.0, beyond=0.0)
     end, time = crossing(results, ring)
     assert end == len(results.time)
@@ -137,3 +136,17 @@ def test_drawn_edges_are_those_of_the_file(laid: Callable[..., LaidRoad]) -> Non
     s = np.linspace(0.0, LENGTH, 7)[:, None]
     for edge, side in zip(laid().path.edges(7), (3.0, -2.0), strict=True):
         np.testing.assert_allclose(edge, s * AHEAD + side * LEFT, atol=1e-9)
+
+
+def test_a_first_point_repeated_at_the_end_of_a_ring_is_one_point(
+    configured: Configured, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    """As files are published; without `closed` a ring is driven as it is asked for, and that is told."""
+    angle = np.linspace(0.0, 2 * np.pi, 61)
+    write(tmp_path / "ring.csv", 60 * np.column_stack([np.cos(angle), np.sin(angle)]), 4.0, 4.0)
+    file = f"planner.road_file={tmp_path / 'ring.csv'}"
+    lap = lay(configured("arbitrary-path", file, "planner.road.closed=true"))
+    assert lap.path.curve()[0](0.0) == pytest.approx([60.0, 0.0])
+    assert not caplog.messages
+    lay(configured("arbitrary-path", file))
+    assert caplog.messages[-1].startswith("the road ends where it begins, but is driven as open")

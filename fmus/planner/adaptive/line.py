@@ -27,6 +27,9 @@ _WINDOW = 25
 """Points of an edge to either side, among which its crossing with a normal is searched: elsewhere the road may cross
 itself."""
 
+_STRAY = 1.0
+"""By so much [m], beside its usual distance, an edge may be further away than usual."""
+
 
 @dataclass(frozen=True, slots=True)
 class Line:
@@ -128,7 +131,10 @@ def _nearest_smooth(points: Array, near: Array, closed: bool) -> Array:
 
 
 def _reached(points: Array, direction: Array, edge: Array, usual: Array, closed: bool) -> Array:
-    """How far (n,) it is along each direction to the edge near by, the `usual` way where the two do not meet."""
+    """How far (n,) it is along each direction to the edge near by, the `usual` way where the two do not meet.
+
+    An edge that is much further than usual, or behind, belongs to another part of the road.
+    """
     n = len(points) - closed
     j = np.arange(len(points))[:, None] + np.arange(-_WINDOW, _WINDOW)
     j, ahead = (j % n, (j + 1) % n) if closed else (np.clip(j, 0, n - 1), np.clip(j + 1, 0, n - 1))
@@ -139,7 +145,8 @@ def _reached(points: Array, direction: Array, edge: Array, usual: Array, closed:
         cross = along[..., 0] * d[..., 1] - along[..., 1] * d[..., 0]
         part = (d[..., 0] * start[..., 1] - d[..., 1] * start[..., 0]) / cross
         way = (along[..., 0] * start[..., 1] - along[..., 1] * start[..., 0]) / cross
-    meets = (part >= 0) & (part <= 1) & (cross != 0)
+    own = (way > 0) & (np.abs(way - usual[:, None]) <= np.abs(usual)[:, None] + _STRAY)
+    meets = (part >= 0) & (part <= 1) & (cross != 0) & own
     near = np.where(meets, np.abs(way - usual[:, None]), np.inf)
     best = np.argmin(near, axis=1)
     k = np.arange(len(points))
