@@ -9,11 +9,8 @@ import numpy as np
 
 from fmus.planner.errors import PlanningError
 from fmus.planner.path_road import PathRoad
+from fmus.planner.road_columns import COLUMNS, PUBLISHED
 from fmus.planner.road_rows import checked_rows
-
-COLUMNS = ("x", "y", "width_left", "width_right")
-PUBLISHED = {"x_m": "x", "y_m": "y", "w_tr_right_m": "width_right", "w_tr_left_m": "width_left"}
-"""The columns by the names that race tracks are published with, in their order, after a `#`."""
 
 
 def read_road(path: Path, clearance: float = 0.84, closed: bool = False) -> PathRoad:

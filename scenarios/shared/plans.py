@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import logging
 import tempfile
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from hashlib import blake2b
 from importlib.metadata import version
 from pathlib import Path
@@ -38,15 +39,26 @@ def planned(name: str, vehicle: Vehicle, road: Road, m: int, ends: Ends | None =
 
     `name` begins the file's name. Raises CosimError when there is no such motion or it cannot be kept.
     """
-    parts = [*_of_vehicle(vehicle), *_of_road(road, m), *_of_ends(ends), repr(_SETTINGS)]
-    return _made(name, parts, lambda: hocp.plan(vehicle, road, m, ends, _SETTINGS))
+    with _told(name):
+        parts = [*_of_vehicle(vehicle), *_of_road(road, m), *_of_ends(ends), repr(_SETTINGS)]
+        return _made(name, parts, lambda: hocp.plan(vehicle, road, m, ends, _SETTINGS))
 
 
 def planned_along(name: str, vehicle: Vehicle, road: PathRoad, ends: Ends) -> Path:
     """The same on a mesh that follows the road."""
     numbers = (road.points, road.widths, np.array([road.clearance, road.closed]))
     parts = [*_of_vehicle(vehicle), *(array.tobytes() for array in numbers), *_of_ends(ends), repr(_SETTINGS)]
-    return _made(name, parts, lambda: planning.plan(vehicle, road, ends, _SETTINGS))
+    with _told(name):
+        return _made(name, parts, lambda: planning.plan(vehicle, road, ends, _SETTINGS))
+
+
+@contextmanager
+def _told(name: str) -> Iterator[None]:
+    """Why there is no plan is a sentence for the user."""
+    try:
+        yield
+    except PlanningError as error:
+        raise CosimError(f"{name} cannot be planned: {error}") from error
 
 
 def _made(name: str, parts: list[str | bytes], plan: Callable[[], Plan]) -> Path:
@@ -55,10 +67,7 @@ def _made(name: str, parts: list[str | bytes], plan: Callable[[], Plan]) -> Path
         _LOG.info("planned %s: %.3f s, %d iterations, %s", name, found.final_time, found.iterations, _worth(found))
         trajectory.write(found, file)
 
-    try:
-        return kept(name, parts, make)
-    except PlanningError as error:
-        raise CosimError(f"{name} cannot be planned: {error}") from error
+    return kept(name, parts, make)
 
 
 def kept(name: str, parts: Iterable[str | bytes], make: Callable[[Path], None], doing: str = "planning") -> Path:

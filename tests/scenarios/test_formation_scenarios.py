@@ -18,7 +18,7 @@ LIGHT = ("scenario.plant", "unicycle")
 def short(name, folder, *assignments, seed=0, stop=1.0, **others):
     """The values of the metrics, and the results."""
     finished = run(Request(load(name), folder, assignments, seed, stop, **others))
-    assert finished.summary.status == "ok", finished.summary.reason
+    assert finished.summary.status in ("ok", "missed"), finished.summary.reason
     return values(finished), finished.results
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from fmukit.interface import CsvTable, Variable, group, input_, load_parameters, output, sampled
 from fmus.cars import published
 from fmus.controllers.bus import trajectory_bus
-from fmus.planner.road_file import COLUMNS, PUBLISHED
+from fmus.planner.road_columns import COLUMNS, PUBLISHED
 
 ROWS = 4000
 _HERE = Path(__file__).parent

@@ -13,13 +13,13 @@ from cosim.engine.loader import Loader
 from cosim.engine.master import Master
 from cosim.engine.models import find
 from cosim.engine.schedule import schedule
-from cosim.model.assembly import Node, assemble
+from cosim.model.assembly import Node, assemble, leave_out
 from cosim.model.configuration import Configuration
 from cosim.model.face import Value
 from cosim.model.system import System
 from cosim.results.recorder import recorded
 from cosim.run.prepare import configured
-from cosim.run.request import Request
+from cosim.run.request import FAULT, Request
 from cosim.scenario.discovery import load
 
 Answer = NDArray[np.float64]
@@ -43,6 +43,7 @@ def ask(make: Make, step: float, steps: int, every: int) -> tuple[Job, Answer]:
     """The job, and our answer to it."""
     with Loader(find) as loader:
         nodes = assemble(make(loader), 0, step)
+        leave_out(nodes, [FAULT])
         master = Master(nodes, schedule(nodes, "jacobi"), loader.slaves(nodes))
         chosen = recorded(master.signals)
         signals = [(master.signals[i].instance, master.signals[i].variable) for i in chosen]
