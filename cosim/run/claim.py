@@ -25,8 +25,13 @@ def claimed(folder: Path) -> Iterator[None]:
     except Timeout:
         raise CosimError(f"another run is writing into {folder}; give this one another folder") from None
     except OSError as error:
-        raise CosimError(f"cannot write into {error.filename or folder}: {because(error)}") from None
+        raise unwritable(folder, error) from None
     try:
         yield
     finally:
         lock.release()
+
+
+def unwritable(folder: Path, error: OSError) -> CosimError:
+    """Why nothing can be written into the folder."""
+    return CosimError(f"cannot write into {error.filename or folder}: {because(error)}")

@@ -20,7 +20,7 @@ from cosim.results.reading import Facts, Results, load_results
 from cosim.results.recorder import Recorder, recorded
 from cosim.results.storage import PARQUET, STREAM
 from cosim.results.summary import SUMMARY, Summary, summarise, write_summary
-from cosim.run.claim import claimed
+from cosim.run.claim import claimed, unwritable
 from cosim.run.interrupts import interrupts
 from cosim.run.prepare import RunPlan, plan
 from cosim.run.request import Request
@@ -106,14 +106,13 @@ def _recorder(made: RunPlan, master: Master) -> Recorder:
     request, about = made.request, {KEY: made.provenance.json().encode()}
     folder = request.folder
     try:
-        folder.mkdir(parents=True, exist_ok=True)
         for name in WRITTEN:
             (folder / name).unlink(missing_ok=True)
         kept = recorded(master.signals, request.unrecorded)
         texts = Texts(master.written, master.texts)
         return Recorder(folder, master.vector, master.signals, kept, request.interval, request.stop, about, texts)
     except OSError as error:
-        raise CosimError(f"cannot write into {error.filename or folder}: {because(error)}") from None
+        raise unwritable(folder, error) from None
 
 
 def _closed(recorder: Recorder, outcome: Outcome) -> Outcome:

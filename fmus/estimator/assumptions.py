@@ -33,6 +33,7 @@ def assumptions(p: Signals) -> ca.SX:
         "sideslip": p["course.sideslip"] ** 2,
         "rate": p["course.yaw_rate"],
         "force": p["course.acceleration"],
+        "speed": p["course.speed"],
     }
     return ASSUMED.join(
         {
@@ -41,7 +42,7 @@ def assumptions(p: Signals) -> ca.SX:
             | {"gps_decay": 1 / p["noise.gps_correlation_time"]},
             "tilt": p["noise.attitude"] ** 2 / T,
             "gates": {name: p[f"gate.{name}"] for name in ("heading", "position", "velocity")},
-            "course": course | {"used": p["course.used"], "speed": p["course.speed"]},
+            "course": course,
             "rolling": _rolling(p),
             "arms": {"antenna": p.vector("antenna.position", AXES) - unit, "rear": rear - unit},
             "initial": pack(ca.diag(_spread(p) ** 2)),

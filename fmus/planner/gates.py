@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from .errors import PlanningError
 
 Array = NDArray[np.float64]
+_SLOPE = 0.15
+"""Largest change of the distance of gates per metre (engineering choice)."""
 _PART = 0.9
 """How near to the crossing with their neighbours gates may reach."""
 _LOST = 0.5
@@ -99,3 +101,16 @@ def _too_sharp(gates: Gates, k: int) -> PlanningError:
 def _along(gates: Gates, k: int) -> float:
     """Distance [m] of gate k from the first, from gate to gate."""
     return float(np.sum(np.hypot(*np.diff(gates.frames[: k + 1, :2], axis=0).T)))
+
+
+def gradual(h: Array, s: Array, closed: bool) -> Array:
+    """Distances of gates (n,) [m] at s (n,) [m]: the largest below h that change by at most _SLOPE per metre."""
+    h, step = h.copy(), _SLOPE * np.diff(s)
+    for _ in range(2 if closed else 1):
+        for k in range(1, len(h)):
+            h[k] = min(h[k], h[k - 1] + step[k - 1])
+        for k in range(len(h) - 2, -1, -1):
+            h[k] = min(h[k], h[k + 1] + step[k])
+        if closed:
+            h[0] = h[-1] = min(h[0], h[-1])
+    return h

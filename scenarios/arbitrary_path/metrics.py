@@ -12,12 +12,12 @@ from cosim.model.signals import Vector
 from cosim.results.reading import Results
 from cosim.scenario.metric import Metric, Metrics
 from fmus.controllers.reference.interface import INTERFACE as REFERENCE
+from fmus.planner.receding.memory import BRAKED, PLANNING
 from scenarios.arbitrary_path.road import LaidRoad
 from scenarios.shared.mpc_metrics import mpc_metrics
 from scenarios.shared.statistics import peak
 from scenarios.shared.tables import read_columns
 
-PLANNING, GIVEN_UP = 0.0, 2.0
 _INSET = 0.3  # [m], by which gates may be narrower than the road
 _ROUNDED = 1e-6  # [m/s], of speeds in a trajectory file
 _LOG = logging.getLogger("cosim")
@@ -35,7 +35,7 @@ def arbitrary_path_metrics(results: Results, laid: LaidRoad) -> Metrics:
         "problems": Metric(last(results, "problem.count")),
         "problems_failed": Metric(last(results, "problem.failed")),
         "fallbacks": Metric(last(results, "fallback.count")),
-        "planner_gave_up": Metric(float(last(results, "plan.phase") == GIVEN_UP)),
+        "planner_gave_up": Metric(float(last(results, "plan.phase") == BRAKED)),
         "solver_iterations_max": Metric(peak(results.samples("planner", "solver.iterations"))),
         "planned_ahead_min": Metric(planned_ahead(results), "s"),
         **joints(results),
@@ -46,10 +46,10 @@ def arbitrary_path_metrics(results: Results, laid: LaidRoad) -> Metrics:
 
 def given_up(results: Results, laid: LaidRoad) -> str:
     """What became of a run whose planner gave up; empty if it did not."""
-    if last(results, "plan.phase") != GIVEN_UP:
+    if last(results, "plan.phase") != BRAKED:
         return ""
     phase, status = results.samples("planner", "plan.phase"), last(results, "solver.status")
-    when = results.time[results.instants("planner")][int(np.argmax(phase == GIVEN_UP))]
+    when = results.time[results.instants("planner")][int(np.argmax(phase == BRAKED))]
     return (
         f"the planner gave up at {when:.1f} s: {last(results, 'plan.distance'):.0f} m along the road, of "
         f"{laid.gates.at[-1]:.0f} m, a local problem had no solution (solver.status {status:.0f}), and the car was "

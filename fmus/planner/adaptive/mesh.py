@@ -8,7 +8,7 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d
 
 from fmus.planner.adaptive.line import Line
-from fmus.planner.gates import Array, Gates
+from fmus.planner.gates import Array, Gates, gradual
 
 FARTHEST, NEAREST = 12.0, 1.0
 """Largest and smallest distance of two gates [m]."""
@@ -19,8 +19,6 @@ _ROUGH = 3.0
 _STABLE = 60.0
 """Substeps v^2 [m2/s2] per metre between gates: the yaw motion dies out with about 120/v per second, and the
 Runge-Kutta method is stable up to 2.8 of that per substep."""
-_SLOPE = 0.15
-"""Largest change of the distance of gates per metre."""
 _SHARED = 50
 """Numbers of intervals are multiples of this, so that compiled code serves many roads."""
 _PATH, _SHARPEST = 0.6, 0.1
@@ -58,7 +56,7 @@ def mesh(line: Line, v: Array, finer: float = 1.0, substeps: int = 2, least: int
     """
     h = np.clip(np.sqrt(_BOW / np.maximum(_bulge(line), 1e-9)), _ROUGH, FARTHEST)
     h = np.clip(np.minimum(h, substeps * v**2 / _STABLE) / finer, NEAREST / max(finer, 1.0), None)
-    h = _gradual(h, line)
+    h = gradual(h, line.s, line.closed)
     passed = np.concatenate([[0.0], np.cumsum(0.5 * np.diff(line.s) * (1 / h[1:] + 1 / h[:-1]))])
     m = _SHARED * int(np.ceil(max(passed[-1], least) / _SHARED))
     at = np.interp(np.linspace(0.0, passed[-1], m + 1), passed, line.s)
@@ -83,19 +81,6 @@ def _bulge(line: Line) -> Array:
     window = max(3, round(8.0 * len(line.s) / line.length))
     smooth = np.convolve(sharp, np.ones(window) / window, mode="same")
     return np.asarray(maximum_filter1d(smooth, window)) / 8
-
-
-def _gradual(h: Array, line: Line) -> Array:
-    """The largest function below h that changes by at most _SLOPE per metre, periodic on a closed line."""
-    h, step = h.copy(), _SLOPE * np.diff(line.s)
-    for _ in range(2 if line.closed else 1):
-        for k in range(1, len(h)):
-            h[k] = min(h[k], h[k - 1] + step[k - 1])
-        for k in range(len(h) - 2, -1, -1):
-            h[k] = min(h[k], h[k + 1] + step[k])
-        if line.closed:
-            h[[0, -1]] = h[[0, -1]].min()
-    return h
 
 
 def _bows(made: Mesh) -> tuple[Array, Array]:

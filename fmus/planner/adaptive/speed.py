@@ -20,8 +20,7 @@ def profile(s: Array, curvature: Array, fastest: float, first: float = np.nan, *
     if not np.isnan(first):
         squares[0] = first**2
     for _ in range(2 if closed else 1):
-        for gained, order in ((GAIN, range(1, len(s))), (BRAKE, range(len(s) - 2, -1, -1))):
-            step = 1 if gained == GAIN else -1
+        for step, gained, order in ((1, GAIN, range(1, len(s))), (-1, BRAKE, range(len(s) - 2, -1, -1))):
             for k in order:
                 left = 1 - (squares[k - step] * bend[k] / LATERAL) ** 2
                 way = length[min(k, k - step)]

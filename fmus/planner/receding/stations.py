@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..gates import Gates
+from ..gates import Gates, gradual
 from . import limits
 from .centre_line import Spline, even, measured
 from .layout import SUBSTEPS
@@ -17,8 +17,6 @@ from .speed import profile
 Array = NDArray[np.float64]
 _STABLE = 2.78
 """Largest product of damping and step for which the Runge-Kutta method of order four is stable."""
-_SLOPE = 0.15
-"""Largest change of the distance of gates per metre (engineering choice)."""
 _NEAREST = 1.0
 """Smallest distance [m]."""
 _BOW, _ROUGH = 0.1, 4.0
@@ -43,7 +41,7 @@ def stations(curve: Spline, room: Array | None, p: Mapping[str, Any], closed: bo
     if room is not None:
         left, right = (np.interp(places, curve.s, room[:, j]) for j in (0, 1))
         h = np.minimum(h, np.maximum(np.sqrt(_BOW / np.maximum(_bulge(bends, left, right), 1e-9)), _ROUGH))
-    h = _gradual(h, s, closed)
+    h = gradual(h, s, closed)
     if (h == p["road.spacing"]).all():
         return even(curve, p["road.spacing"])
     passed = np.concatenate([[0.0], np.cumsum(0.5 * np.diff(s) * (1 / h[1:] + 1 / h[:-1]))])
@@ -80,19 +78,6 @@ def _stable(p: Mapping[str, Any], s: Array, bends: Array, closed: bool) -> Array
     v = np.minimum(profile(bends, np.diff(s), limits.lateral(p), limits.braking(p), end), p["limit.speed"])
     v[0] = min(v[0], p["initial.speed"])
     return np.clip(v**2 * _STABLE * SUBSTEPS / damping, min(_NEAREST, p["road.spacing"]), p["road.spacing"])
-
-
-def _gradual(h: Array, s: Array, closed: bool) -> Array:
-    """The largest function below h (n,) at s (n,) [m] that changes by at most _SLOPE per metre."""
-    h, step = h.copy(), _SLOPE * np.diff(s)
-    for _ in range(2 if closed else 1):
-        for k in range(1, len(h)):
-            h[k] = min(h[k], h[k - 1] + step[k - 1])
-        for k in range(len(h) - 2, -1, -1):
-            h[k] = min(h[k], h[k + 1] + step[k])
-        if closed:
-            h[0] = h[-1] = min(h[0], h[-1])
-    return h
 
 
 def _bulge(bends: Array, left: Array, right: Array) -> Array:
