@@ -44,9 +44,13 @@ class FmuSlave:
         self._mailbox = Mailbox()
         self._callbacks = callbacks(self._mailbox, formatted=not self._raw)  # the FMU keeps a pointer to them
         try:
-            self._fmu = FMU2Slave(
-                instanceName=name, guid=face.guid, modelIdentifier=face.identifier, unzipDirectory=str(library.folder)
-            )
+            with contextlib.chdir("."):  # FMPy goes to the library, and stays there when it cannot be loaded
+                self._fmu = FMU2Slave(
+                    instanceName=name,
+                    guid=face.guid,
+                    modelIdentifier=face.identifier,
+                    unzipDirectory=str(library.folder),
+                )
             self._fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
         except Exception as error:
             reason = self.message() or " ".join(str(error).split())

@@ -17,6 +17,8 @@ from cosim.errors import CosimError
 from cosim.model.assembly import Node
 from cosim.model.face import Face, read_face
 from cosim.model.system import System
+from fmukit.conformance.package import Package
+from fmukit.conformance.vital import unfit
 from fmukit.errors import UserError, because
 from fmukit.places import unpacking_folder
 from fmukit.unpacking import ArchiveError, unpack
@@ -71,6 +73,7 @@ class Loader:
             _unpack(path, folder)
             face = read_face(folder, path)
             _has_binary(folder, face, path)
+            _is_fit(path)
             self._models[model] = Library(face, folder)
         return self._models[model]
 
@@ -80,6 +83,14 @@ def _unpack(path: Path, folder: Path) -> None:
         unpack(path, folder)
     except ArchiveError as error:
         raise CosimError(str(error)) from None
+
+
+def _is_fit(path: Path) -> None:
+    """Raises CosimError for what would take this process down; `fmus check` goes by the same rules."""
+    broken = unfit(Package.read(path))
+    if broken:
+        rule, seen = broken
+        raise CosimError(f"{path} cannot be loaded: {seen}; {rule.remedy[0].lower()}{rule.remedy[1:].rstrip('.')}")
 
 
 def _has_binary(folder: Path, face: Face, origin: Path) -> None:

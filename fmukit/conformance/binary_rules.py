@@ -6,12 +6,13 @@ from collections.abc import Iterator
 from pathlib import PurePosixPath
 
 from fmukit.conformance.archive_rules import contents
-from fmukit.conformance.binary import is_library
+from fmukit.conformance.binary import is_library, missing
 from fmukit.conformance.package import Package
 from fmukit.conformance.rule import NotApplicable, Rules
 
 RULES: Rules[Package] = Rules(contents)
 EXTENSIONS = {"win32": ".dll", "win64": ".dll", "linux32": ".so", "linux64": ".so", "darwin64": ".dylib"}
+_LOADED = (".dll", ".so")
 
 
 @RULES.add(
@@ -54,6 +55,23 @@ def _library_format(package: Package) -> Iterator[str]:
         name = f"binaries/{platform}/{package.identifier}{EXTENSIONS[platform]}"
         if name in names and (head := package.head(name)) and not is_library(head, platform):
             yield f"{name} is not a {platform} library"
+
+
+@RULES.add(
+    "A15",
+    "Libraries are whole",
+    "good practice",
+    "Copy the library again and pack the FMU anew: a library cut short ends the process that loads it.",
+    vital=True,
+)
+def _whole(package: Package) -> Iterator[str]:
+    if package.damage:
+        raise NotApplicable("the archive is damaged")
+    for entry in package.entries:
+        if entry.filename.endswith(_LOADED):
+            lacking = missing(package.head(entry.filename), entry.file_size)
+            if lacking:
+                yield f"{entry.filename} has {entry.file_size} bytes and lacks {lacking} of those its header tells of"
 
 
 def _libraries(package: Package) -> dict[str, list[str]]:

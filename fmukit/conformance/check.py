@@ -9,6 +9,7 @@ from fmukit.conformance.package import Package
 from fmukit.conformance.rule import GROUPS, Finding, look
 from fmukit.conformance.rulebook import READING
 from fmukit.conformance.running import of_groups, run_groups, skipped
+from fmukit.conformance.vital import unfit
 
 ALL = "".join(GROUPS)
 READ_ONLY = frozenset(rule.id[0] for rule in READING)
@@ -29,9 +30,9 @@ def check(path: Path | str, groups: str = ALL, others: Sequence[Path | str] = ()
 
 
 def _run(package: Package, groups: str, others: Sequence[Path | str]) -> list[Finding]:
-    broken = [rule.id for rule in READING if rule.vital and look(rule, package).status == "fail"]
+    broken = unfit(package)
     if broken:
-        return skipped(of_groups(groups), f"not run, because rule {broken[0]} does not hold")
+        return skipped(of_groups(groups), f"not run, because rule {broken[0].id} does not hold")
     return run_groups(package, others, groups=groups)
 
 

@@ -306,6 +306,9 @@ def _edit(old, new):
         (lambda e: e | {"/etc/escape": b"x"}, "leads out of the archive"),
         (lambda e: e | {"modelDescription.xml": b"<fmiModelDescription"}, "invalid modelDescription.xml"),
         (_edit(b'fmiVersion="2.0"', b'fmiVersion="3.0"'), "invalid modelDescription.xml"),
+        (lambda e: {n: d for n, d in e.items() if "slavemodule" not in n}, "there is no resources/slavemodule.txt"),
+        (lambda e: {n: d[:9999] if n.endswith(".so") else d for n, d in e.items()}, "CosimTestTank.so has 9999 bytes"),
+        (lambda e: {n: b"" if n.endswith(".so") else d for n, d in e.items()}, "CosimTestTank"),
         (_edit(b"?>", b'?><!DOCTYPE a [<!ENTITY x SYSTEM "file:///etc/passwd">]>'), "declares a document type"),
     ],
 )
@@ -339,7 +342,7 @@ def test_metrics_that_fail_leave_results_and_a_summary_that_says_so(cosim, tanks
     ):
         offer(tanks(metrics=wrong), {"Tank": tank})
         code, _, err = cosim("run", "tanks", "-o", str(tmp_path), "--no-report")
-        assert (code, err.count("\n")) == (1, 1)
+        assert (code, err.count("\n")) == (1, 1), err
         assert f"the metrics cannot be computed: {sentence}" in err
         assert json.loads((tmp_path / "summary.json").read_text())["status"] == "failed"
         assert len(load_results(tmp_path).time) == 101

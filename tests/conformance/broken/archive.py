@@ -114,3 +114,22 @@ def _sources(root: Any) -> None:
 @archive("A14", "names the script 'other'")
 def _script(members: Members) -> Iterable[Entry]:
     return (members | {"resources/slavemodule.txt": b"other"}).items()
+
+
+def _shortened(members: Members, name: str) -> Iterable[Entry]:
+    return (members | {name: members[name][: len(members[name]) // 2]}).items()
+
+
+@archive("A15", "binaries/linux64/Imu.so has")
+def _half_a_binary(members: Members) -> Iterable[Entry]:
+    return _shortened(members, "binaries/linux64/Imu.so")
+
+
+@archive("A15", "kernel.so has")
+def _half_a_kernel(members: Members) -> Iterable[Entry]:
+    return _shortened(members, next(name for name in members if name.endswith("/kernel.so")))
+
+
+@archive("A15", "binaries/linux64/Imu.so has 60 bytes and lacks 1 of")
+def _less_than_a_header(members: Members) -> Iterable[Entry]:
+    return (members | {"binaries/linux64/Imu.so": members["binaries/linux64/Imu.so"][:60]}).items()
