@@ -41,8 +41,14 @@ def _rows(path: str, spec: TableFile) -> list[list[float]]:
             raise OSError("it is not a file")  # a pipe or a device might never end
         with open(path, encoding="utf-8-sig", newline="") as file:
             lines = [line for line in csv.reader(file, skipinitialspace=True) if line]
-    except (OSError, ValueError, csv.Error) as error:
-        raise TableError(f"table {path} cannot be read ({error}); give the path of a CSV file") from error
+    except OSError as error:
+        raise TableError(
+            f"table {path} cannot be read ({error.strerror or error}); give the path of a CSV file"
+        ) from error
+    except (ValueError, csv.Error) as error:
+        raise TableError(
+            f"table {path} cannot be read (it is not a text in UTF-8); give the path of a CSV file"
+        ) from error
     order = _order(path, lines, spec)
     rows = [_numbers(path, number, line, spec) for number, line in enumerate(lines[1:], start=2)]
     rows = [[row[k] for k in order] for row in rows]
@@ -54,15 +60,15 @@ def _rows(path: str, spec: TableFile) -> list[list[float]]:
 
 def _order(path: str, lines: list[list[str]], spec: TableFile) -> list[int]:
     """Where each column is in a line."""
-    header = tuple(cell.strip() for cell in lines[0]) if lines else ()
+    header = [cell.strip() for cell in lines[0]] if lines else []
     others = dict(spec.names)
-    named = tuple(others.get(cell.lstrip("# "), "") for cell in header)
-    if header != spec.columns and sorted(named) != sorted(spec.columns):
-        raise TableError(f"table {path} must start with the line {','.join(spec.columns)}, not {','.join(header)}")
+    named = [others.get(cell, cell) for cell in (cell.lstrip("# ") for cell in header)]
+    if sorted(named) != sorted(spec.columns):
+        wanted = ",".join(spec.columns) + (f" or # {','.join(others)}" if others else "")
+        raise TableError(f"table {path} must start with the line {wanted}, not {','.join(header) or 'empty'}")
     if not 2 <= len(lines) - 1 <= spec.rows:
         raise TableError(f"table {path} has {len(lines) - 1} rows; it must have 2 to {spec.rows}")
-    seen = header if header == spec.columns else named
-    return [seen.index(name) for name in spec.columns]
+    return [named.index(name) for name in spec.columns]
 
 
 def _numbers(path: str, number: int, line: list[str], spec: TableFile) -> list[float]:

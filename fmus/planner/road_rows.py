@@ -10,8 +10,8 @@ _AGAINST = -0.7
 """Cosine of a corner no road has twice in a row (engineering choice)."""
 _ONWARD, _NEAR = 0.5, 3.0
 """A road that ends where it began: cosine of the corners there at least, and the gap at most in usual distances."""
-
-
+_APART = 1.5
+"""So many usual distances from all early rows, the last one is not back at the start (engineering choice)."""
 _SAME = 1e-6
 """Points nearer to each other than that [m] are one point."""
 
@@ -29,11 +29,23 @@ def checked_rows(rows: Array, closed: bool, name: str = "the road") -> Array:
     if gaps.min() < _SAME:
         raise ValueError(f"{name} has the same point twice in a row, row {1 + int(np.argmin(gaps))}; drop one")
     if closed and min(_corners(rows[:, :2])) < _AGAINST:
-        raise ValueError(
-            f"the closed {name.removeprefix('the ')} goes past its start: row {len(rows)}, its last, lies "
-            f"{gaps[-1]:.1f} m beyond row 1, to which it is joined; drop the rows past the start"
-        )
+        raise ValueError(_not_joined(name.removeprefix("the "), rows[:, :2], gaps))
     return rows
+
+
+def _not_joined(name: str, points: Array, gaps: Array) -> str:
+    """Why the last of the points (n, 2) cannot be joined to the first; the gaps (n,) [m] end with that way."""
+    last = len(points)
+    early = points[: last // 2]
+    if np.hypot(*(early - points[-1]).T).min() > _APART * np.median(gaps):
+        return (
+            f"the closed {name} is no ring: row {last}, its last, lies {gaps[-1]:.1f} m from row 1, to which it is "
+            f"joined; plan it as an open road, or give the rows that are missing"
+        )
+    return (
+        f"the closed {name} goes past its start: row {last}, its last, lies "
+        f"{gaps[-1]:.1f} m beyond row 1, to which it is joined; drop the rows past the start"
+    )
 
 
 def is_ring(rows: Array) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cosim.errors import CosimError
 from cosim.model.signals import Vector
@@ -17,6 +18,8 @@ _LENGTH, _COURSE = 0.15, 0.25
 """Largest differences, of the way as a part of it and of the course [rad], in the median of all rows."""
 _SAME = 0.05
 """So near are ways and courses that differ by their unit only [parts, rad]."""
+_FEW = 3
+"""Rows that contradict x and y at least."""
 
 
 def check_trajectory(file: str, columns: Mapping[str, Vector]) -> None:
@@ -59,22 +62,34 @@ def _check_speed(file: str, way: Vector, driven: Vector) -> None:
 
 
 def _check_course(file: str, direction: Vector, course: Vector, middle: Vector) -> None:
+    """Few rows of a bend may betray a unit that the others, straight along the x axis, do not show."""
     off = _off(direction, course)
-    if off <= _COURSE:
+    wrong = off > _COURSE
+    if wrong.sum() < _FEW:
         return
-    k = int(np.argmax(np.abs(_wrapped(direction - course))))
+    in_degrees = _explains(direction, np.radians(course), wrong)
+    clockwise = _explains(direction, np.pi / 2 - course, wrong)
+    if not (in_degrees or clockwise) and np.median(off) <= _COURSE:
+        return
+    k = int(np.argmax(off))
     moving = f"at {middle[k]:g} s x and y move at {direction[k]:.2f} rad"
     says = f"trajectory {file}: {moving}, its course is {course[k]:.4g}"
-    if _off(direction, np.radians(course)) <= _SAME:
+    if in_degrees:
         raise CosimError(f"{says}; it seems to be in degrees, give radians")
-    if _off(direction, np.pi / 2 - course) <= _SAME:
+    if clockwise:
         raise CosimError(f"{says}; it seems to count clockwise from the y axis, give it from x to the left")
     raise CosimError(f"{says}; give the direction of motion from the x axis to the left, in radians")
 
 
-def _off(direction: Vector, course: Vector) -> float:
-    """Median difference [rad], whole turns apart."""
-    return float(np.median(np.abs(_wrapped(direction - course))))
+def _explains(direction: Vector, course: Vector, rows: NDArray[np.bool_]) -> bool:
+    """Whether the course so read is right where it was wrong, and nearly always elsewhere."""
+    off = _off(direction, course)
+    return bool(np.median(off[rows]) <= _SAME and np.median(off) <= _SAME)
+
+
+def _off(direction: Vector, course: Vector) -> Vector:
+    """Differences [rad], whole turns apart."""
+    return np.abs(_wrapped(direction - course))
 
 
 def _wrapped(angle: Vector) -> Vector:

@@ -201,7 +201,7 @@ def test_columns_by_other_names_and_in_another_order(tmp_path: Path, header: str
     file.write_text(f"{header}\n5,0\n6,1\n")
     spec = TableFile(0, ("time", "level"), 3, True, (("t_s", "time"), ("h_m", "level")))
     assert read(str(file), spec, Path())[0].tolist() == [0, 5, 1, 6, 1, 6]
-    for wrong in ("# h_m,t_s,t_s\n5,0,0\n", "# h_m\n5\n", "# time,level\n0,5\n"):
+    for wrong in ("# h_m,t_s,t_s\n5,0,0\n", "# h_m\n5\n", "# time,depth\n0,5\n"):
         file.write_text(wrong)
         with pytest.raises(TableError, match="must start with the line time,level"):
             read(str(file), spec, Path())

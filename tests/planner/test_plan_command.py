@@ -75,7 +75,7 @@ def test_a_road_that_is_no_text(
 ) -> None:
     (tmp_path / "road.csv").write_bytes(bytes(range(256)))
     assert run(monkeypatch, str(tmp_path / "road.csv")) == 2
-    assert "is not a text in UTF-8" in capsys.readouterr().err
+    assert "it is not a text in UTF-8" in capsys.readouterr().err
 
 
 def test_road_of_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -118,7 +118,7 @@ def _rows(road: PathRoad) -> zip:
         (["double-lane-change", "--closed"], "only the CSV file of a road can be closed"),
         (["double-lane-chnge"], "did you mean double-lane-change?"),
         (["moon"], "known are double-lane-change, test-drive"),
-        (["none.csv"], "the road none.csv cannot be read (No such file or directory); name a CSV file"),
+        (["none.csv"], "table none.csv cannot be read (No such file or directory)"),
         (["double-lane-change", "-m", "2"], "; there is one on 40 intervals, take more of them"),
         (["double-lane-change", "--speed", "99"], "the speed at the start is 99"),
         (["double-lane-change", "--speed", "nan"], "give a speed"),
@@ -145,7 +145,7 @@ ROADS = {
     ),
     "sharp": ("0,0,1,1\n10,0,1,1\n11,0.5,1,1\n11,1.5,1,1\n10,2,1,1\n0,2,1,1\n", "the smallest of this car is 4.1 m"),
     "folded": ("0,0,9,9\n10,0,9,9\n14,4,9,9\n10,8,9,9\n0,8,9,9\n", "the road turns too sharply for its width"),
-    "no number": ("0,0,3,3\n10,?,3,3\n20,0,3,3\n30,0,3,3\n", "line 3 of the road"),
+    "no number": ("0,0,3,3\n10,?,3,3\n20,0,3,3\n30,0,3,3\n", "row 3: expected 4 finite numbers"),
     "short": ("0,0,3,3\n10,0,3,3\n", "has 2 points"),
     "negative": ("0,0,3,3\n10,0,-3,3\n20,0,3,3\n30,0,3,3\n", "negative width in row 2"),
 }

@@ -94,11 +94,12 @@ HEADER = "x,y,width_left,width_right\n"
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
-        ("", "must begin with the line"),
-        ("a,b\n1,2\n", "must begin with the line"),
-        (HEADER + "0,0,3,3\n1,x,3,3\n", "line 3 .* finite numbers"),
-        (HEADER + "0,0,3,nan\n", "line 2 .* finite numbers"),
-        (HEADER + "0,0,3\n", "line 2 .* 4 finite numbers"),
+        ("", "must start with the line"),
+        ("a,b\n1,2\n", "must start with the line"),
+        (HEADER + "0,0,3,3\n1,x,3,3\n", "row 3: .* finite numbers"),
+        (HEADER + "0,0,3,3\n", "has 1 rows"),
+        (HEADER + "0,0,3,nan\n1,0,3,3\n", "row 2: .* finite numbers"),
+        (HEADER + "0,0,3\n1,0,3,3\n", "row 2: .* 4 finite numbers"),
         (HEADER + "0,0,3,3\n1,0,3,3\n", "has 2 points"),
         (HEADER + "0,0,3,3\n1,0,3,3\n2,0,-3,3\n3,0,3,3\n", "negative width in row 3"),
         (HEADER + "0,0,3,3\n1,0,3,3\n1,0,3,3\n3,0,3,3\n", "same point twice"),
@@ -135,6 +136,8 @@ def test_a_race_track_as_published(tmp_path: Path) -> None:
     assert road.gates(20).low == pytest.approx(np.full(21, -1.0)) and road.gates(20).high == pytest.approx(
         np.full(21, 2.0)
     )
+    file.write_text("y,x,width_left,width_right\n" + "".join(f"0,{x},3,2\n" for x in (0, 10, 20, 30)))
+    assert read_road(file).points[3].tolist() == [30.0, 0.0], "columns in any order"
     file.write_text(TRACK.replace("# ", "#").replace(",", ", ") + "0,0,2,3\n10,0,2,3\n20,0,2,3\n30,0,2,3\n")
     assert read_road(file).widths[0].tolist() == [3.0, 2.0]
 
@@ -147,6 +150,13 @@ def test_a_closed_road_may_repeat_its_first_point(tmp_path: Path) -> None:
     assert is_ring(read_road(file).points), "open, it is a ring all the same"
     file.write_text(HEADER + "".join(rows + rows[1:3]))
     with pytest.raises(PlanningError, match="goes past its start: row 62"):
+        read_road(file, closed=True)
+
+
+def test_a_closed_road_that_is_no_ring(tmp_path: Path) -> None:
+    file = tmp_path / "straight.csv"
+    file.write_text(HEADER + "".join(f"{x},0,3,3\n" for x in range(0, 50, 10)))
+    with pytest.raises(PlanningError, match=r"is no ring: row 5, its last, lies 40\.0 m from row 1"):
         read_road(file, closed=True)
 
 

@@ -88,6 +88,16 @@ def test_columns_that_contradict_x_and_y(tmp_path: Path, text: str, sentence: st
         checked(text, tmp_path)
 
 
+def test_degrees_on_a_road_that_is_mostly_straight(tmp_path: Path) -> None:
+    """One lane change in a minute along the x axis: all other rows have the course 0, in any unit."""
+    time = np.arange(0, 60, 0.05)
+    lateral = 3.5 / (1 + np.exp(-2 * (time - 30)))
+    course = np.degrees(np.arctan2(np.gradient(lateral, time), 15.0))
+    rows = (f"{t:.3f},{15 * t:.3f},{y:.4f},{c:.5f},15,0,0\n" for t, y, c in zip(time, lateral, course, strict=True))
+    with pytest.raises(CosimError, match="it seems to be in degrees, give radians"):
+        checked(HEADER + "".join(rows), tmp_path)
+
+
 def test_trajectories_that_agree(tmp_path: Path) -> None:
     """Whole turns apart, noisy, on a circle, standing: nothing to say."""
     checked(line(turned=4 * math.pi), tmp_path)
