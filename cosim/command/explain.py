@@ -54,11 +54,11 @@ def _reading(source: str, target: str, schedule: Schedule) -> str:
 def _conversions(nodes: Mapping[str, Node]) -> Table:
     table = _table("connection", "from", "to", "factor", "offset")
     for c in _connections(nodes):
-        if not c.conversion.trivial:
+        if c.transformation.steps:
             units = (nodes[c.source].face.ports[c.output].unit, nodes[c.target].face.ports[c.input].unit)
-            table.add_row(
-                c.text, *(unit or "" for unit in units), f"{c.conversion.factor:g}", f"{c.conversion.offset:g}"
-            )
+            linear = c.transformation.linear
+            numbers = (f"{linear.factor:g}", f"{linear.offset:g}") if linear else ("by a list", "")
+            table.add_row(c.text, *(unit or "" for unit in units), *numbers)
     return table
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from ctypes import c_double
 from functools import partial
 from time import perf_counter_ns
@@ -10,9 +10,10 @@ from time import perf_counter_ns
 import numpy as np
 
 from cosim.engine.order import Action
-from cosim.engine.slave import DISCARD, WARNING, Calls, Slave, SlaveError, do_nothing
-from cosim.model.assembly import Node
+from cosim.engine.slave import DISCARD, ERROR, WARNING, Calls, Slave, SlaveError, do_nothing
+from cosim.model.assembly import Connection, Node
 from cosim.model.signals import Vector
+from cosim.model.units import Conversion
 
 
 class Bound:
@@ -51,20 +52,43 @@ class Bound:
             self.check(status)
 
 
-def gather(node: Node, vector: Vector, positions: Mapping[str, int], u: Vector) -> Action:
-    """One indexed copy of the connected inputs, converted where units differ."""
-    if not node.incoming:
+def gather(connections: Sequence[Connection], vector: Vector, positions: Mapping[str, int], u: Vector) -> Action:
+    """One indexed copy of the connected inputs that are numbers, transformed where a connection says so."""
+    if not connections:
         return do_nothing
-    connections = node.incoming.values()
     index = np.array([positions[f"{c.source}.{c.output}"] for c in connections])
     take = partial(vector.take, index, None, u, "clip")  # "clip" writes straight into u, "raise" copies twice
-    if all(c.conversion.trivial for c in connections):
+    if not any(c.transformation.steps for c in connections):
         return take
-    factor, offset = (np.array([getattr(c.conversion, key) for c in connections]) for key in ("factor", "offset"))
+    steps = [c.transformation.linear or Conversion() for c in connections]
+    factor, offset = (np.array([getattr(step, key) for step in steps]) for key in ("factor", "offset"))
+    looked_up = [(k, c) for k, c in enumerate(connections) if c.transformation.linear is None]
 
-    def converted() -> None:
+    def transformed() -> None:
         take()
         np.multiply(u, factor, out=u)
         np.add(u, offset, out=u)
+        for k, connection in looked_up:
+            u[k] = _looked_up(connection, u[k])
 
-    return converted
+    return transformed
+
+
+def gather_texts(
+    connections: Sequence[Connection], texts: Sequence[str], positions: Mapping[str, int], w: list[str]
+) -> Action:
+    """A copy of the connected inputs that are Strings."""
+    places = [positions[f"{c.source}.{c.output}"] for c in connections]
+
+    def copy() -> None:
+        w[:] = [texts[place] for place in places]
+
+    return copy if places else do_nothing
+
+
+def _looked_up(connection: Connection, value: float) -> float:
+    try:
+        return connection.transformation(value)
+    except LookupError:
+        message = f"{connection.text} has no entry for the value {value:g}"
+        raise SlaveError(connection.target, ERROR, message) from None

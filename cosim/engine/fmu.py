@@ -13,16 +13,18 @@ from typing import Any
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave
 
-from cosim.engine.getting import first_failure, texts, whole_numbers
 from cosim.engine.messages import Mailbox, callbacks
-from cosim.engine.slave import OK, WARNING, Call, Calls, Memory, SlaveError, do_nothing
+from cosim.engine.slave import ERROR, OK, WARNING, Call, Calls, Memory, SlaveError, do_nothing
+from cosim.engine.transfer import get_texts, get_whole_numbers, in_turn, set_texts, set_whole_numbers
 from cosim.errors import CosimError
 from cosim.model.face import Face, Value
 from cosim.model.signals import Vector
 
-_ERROR, _FATAL = 3, 4
+_TRANSFERS = {"Get": (get_whole_numbers, get_texts), "Set": (set_whole_numbers, set_texts)}
+_FATAL = 4
 _TERMINATED = 3  # of fmi2StatusKind
-_OTHERS = {"fmi2GetInteger": ("Integer", "Enumeration"), "fmi2GetBoolean": ("Boolean",)}
+_WHOLE = {"Integer": ("Integer", "Enumeration"), "Boolean": ("Boolean",)}
+"""Types of variables by the names of the functions that carry them."""
 
 
 @dataclass
@@ -74,14 +76,14 @@ class FmuSlave:
     def bind(self, memory: Memory) -> Calls:
         component, raw = self._fmu.component, self._fmu.dll.__getitem__  # fresh functions, without FMPy's wrappers
         return Calls(
-            self._transfer(raw("fmi2SetReal"), memory.inputs, memory.u),
+            self._transfer("Set", memory.inputs, memory.u, memory.written, memory.w),
             partial(raw("fmi2DoStep"), _pointer(component), memory.time, memory.step, c_int(1)),
-            self._get(memory),
+            self._transfer("Get", memory.outputs, memory.y, memory.texts, memory.z),
         )
 
     def failed(self, status: int) -> None:
         self._library.fatal |= status >= _FATAL
-        self._steps &= status < _ERROR
+        self._steps &= status < ERROR
 
     def ended(self) -> bool:
         if self._raw:  # PythonFMU's library answers yes after every discard
@@ -105,29 +107,28 @@ class FmuSlave:
             if not self._library.fatal:
                 self._fmu.freeInstance()
 
-    def _get(self, memory: Memory) -> Call:
-        """One call for the Real outputs, and one for each other type there is."""
-        ports, raw = self.face.ports, self._fmu.dll.__getitem__
-        real = [name for name in memory.outputs if ports[name].type == "Real"]
-        getters = [self._transfer(raw("fmi2GetReal"), real, memory.y[: len(real)])]
-        for function, types in _OTHERS.items():
-            places = [i for i, name in enumerate(memory.outputs) if ports[name].type in types]
+    def _transfer(
+        self, way: str, names: Sequence[str], values: Vector, written: Sequence[str], texts: list[str]
+    ) -> Call:
+        """One call for the Real variables, and one for each other type there is; `way` is Get or Set."""
+        raw = self._fmu.dll.__getitem__
+        whole_numbers, strings = _TRANSFERS[way]
+        types = [self.face.ports[name].type for name in names]
+        calls = [self._reals(raw(f"fmi2{way}Real"), names[: types.count("Real")], values)] if "Real" in types else []
+        for function, of in _WHOLE.items():
+            places = [i for i, type_ in enumerate(types) if type_ in of]
             if places:
-                names = [memory.outputs[i] for i in places]
-                getters.append(
-                    whole_numbers(raw(function), self._arguments(names), memory.y[places[0] : places[-1] + 1])
-                )
-        if memory.z is not None and memory.texts:
-            getters.append(texts(raw("fmi2GetString"), self._arguments(memory.texts), memory.z))
-        return getters[0] if len(getters) == 1 else partial(first_failure, getters)
+                some = slice(places[0], places[-1] + 1)
+                calls.append(whole_numbers(raw(f"fmi2{way}{function}"), self._arguments(names[some]), values[some]))
+        if written:
+            calls.append(strings(raw(f"fmi2{way}String"), self._arguments(written), texts))
+        return in_turn(calls) if calls else do_nothing
 
     def _arguments(self, names: Sequence[str]) -> tuple[Any, Any, c_size_t]:
         references = (c_uint * len(names))(*(self.face.ports[name].reference for name in names))
         return _pointer(self._fmu.component), references, c_size_t(len(names))
 
-    def _transfer(self, function: Any, names: Sequence[str], values: Vector) -> Call:
-        if not names:
-            return do_nothing
+    def _reals(self, function: Any, names: Sequence[str], values: Vector) -> Call:
         memory = (c_double * len(names)).from_buffer(values.data)
         return partial(function, *self._arguments(names), memory)
 

@@ -20,8 +20,8 @@ from typing import Literal
 import numpy as np
 
 from cosim.engine import changes
-from cosim.engine.bound import Bound, gather
-from cosim.engine.order import Action, Order, Tick
+from cosim.engine.bound import Bound, gather, gather_texts
+from cosim.engine.order import Action, Order, Tick, both
 from cosim.engine.schedule import Schedule, active_ticks
 from cosim.engine.slave import Memory, Slave, SlaveError, do_nothing
 from cosim.model.assembly import Node
@@ -205,15 +205,21 @@ class Master:
     def _bind(self, node: Node, slave: Slave) -> Bound:
         outputs = node.outputs
         first = self._index[f"{node.name}.{outputs[0]}"] if outputs else 0
-        u, step = np.zeros(len(node.incoming)), c_double(to_seconds(node.period))
+        numbers, texts = node.incoming_numbers, node.incoming_texts
+        u, step = np.zeros(len(numbers)), c_double(to_seconds(node.period))
         shown = self.vector[first : first + len(outputs)]
-        z = [""] * len(node.texts)
+        w, z = [""] * len(texts), [""] * len(node.texts)
         y, publish = shown, self._writing(node, z)
         if node.name in self.schedule.parallel:  # the outputs belong to the end of the step
             y = shown.copy()
-            publish = _both(partial(np.copyto, shown, y), publish)
-        calls = slave.bind(Memory(self._time, step, tuple(node.incoming), u, outputs, y, node.texts, z))
-        return Bound(node, slave, calls, gather(node, self.vector, self._index, u), publish, step)
+            publish = both(partial(np.copyto, shown, y), publish)
+        names, written = ([c.input for c in some] for some in (numbers, texts))
+        calls = slave.bind(Memory(self._time, step, names, u, outputs, y, node.texts, z, written, w))
+        taken = both(
+            gather(numbers, self.vector, self._index, u),
+            gather_texts(texts, self.texts, {signal.name: i for i, signal in enumerate(self.written)}, w),
+        )
+        return Bound(node, slave, calls, taken, publish, step)
 
     def _writing(self, node: Node, own: list[str]) -> Action:
         """Shows the texts of a node to the recorder."""
@@ -228,17 +234,6 @@ def _judged(failure: SlaveError, when: str) -> tuple[str, str]:
     if failure.ended:
         return "ok", f"{failure.instance} ended the simulation {when}"
     return "failed", failure.sentence(when)
-
-
-def _both(one: Action, other: Action) -> Action:
-    if other is do_nothing:
-        return one
-
-    def both() -> None:
-        one()
-        other()
-
-    return both
 
 
 def _signal(node: Node, name: str) -> Signal:

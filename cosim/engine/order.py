@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
+from cosim.engine.slave import do_nothing
+
 Action = Callable[[], object]
 
 
@@ -19,6 +21,20 @@ class Order:
     def framed(self, first: Sequence[Action], after_record: Sequence[Action] = ()) -> Order:
         """The same with actions before all others, and with some just after the row."""
         return Order([*first, *self._before], self._record, [*after_record, *self._after])
+
+
+def both(one: Action, other: Action) -> Action:
+    """One action that does both, one after the other."""
+    if other is do_nothing:
+        return one
+    if one is do_nothing:
+        return other
+
+    def act() -> None:
+        one()
+        other()
+
+    return act
 
 
 Tick = tuple[int, Order]

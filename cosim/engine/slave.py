@@ -11,7 +11,7 @@ from cosim.model.signals import Vector
 
 Call = Callable[[], int]
 
-OK, WARNING, DISCARD = 0, 1, 2
+OK, WARNING, DISCARD, ERROR = 0, 1, 2, 3
 STATUS = {2: "discard", 3: "error", 4: "fatal error", 5: "pending"}
 
 
@@ -31,7 +31,8 @@ class Calls(NamedTuple):
 class Memory(NamedTuple):
     """What the calls work on: `u` holds the values of `inputs`, `y` receives `outputs`, `step` advances `time` [s].
 
-    `z` receives the String outputs `texts`.
+    Both are in order of their types, Real ones first. `z` receives the String outputs `texts`, and `w` holds the values
+    of the String inputs `written`.
     """
 
     time: c_double
@@ -41,7 +42,9 @@ class Memory(NamedTuple):
     outputs: Sequence[str]
     y: Vector
     texts: Sequence[str] = ()
-    z: list[str] | None = None
+    z: list[str] = []  # noqa: RUF012 - never changed, since there are no names
+    written: Sequence[str] = ()
+    w: list[str] = []  # noqa: RUF012
 
 
 class SlaveError(Exception):

@@ -5,29 +5,33 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 
 from cosim.errors import CosimError, unknown
 from cosim.model.clock import SECOND, nanoseconds
 from cosim.model.configuration import LOOK, SAMPLE_PERIOD, Configuration, names, selected
-from cosim.model.face import Face, Kind, Value
+from cosim.model.face import TYPES, Face, Kind, Value
 from cosim.model.patterns import matches_any
-from cosim.model.system import Event, Instance, Wire
-from cosim.model.units import Conversion, conversion
+from cosim.model.system import Event, Instance, Link, Wire
+from cosim.model.transformation import AS_IT_IS, Transformation
+from cosim.model.units import conversion
 from cosim.model.values import coerce
 
 SEED = "seed"
 _MAX_SEED = 2**31 - 1
+_FITTING = {("Integer", "Real"), ("Enumeration", "Integer"), ("Integer", "Enumeration")}
+"""Types of outputs and inputs that connect although they differ."""
 
 
 @dataclass(frozen=True, slots=True)
 class Connection:
-    """One Real output to one Real input; the value is converted as `conversion` says."""
+    """One output to one input; `transformation` is what becomes of the value on its way."""
 
     source: str
     output: str
     target: str
     input: str
-    conversion: Conversion
+    transformation: Transformation = AS_IT_IS
 
     @property
     def text(self) -> str:
@@ -67,6 +71,16 @@ class Node:
     outputs: tuple[str, ...] = ()
     texts: tuple[str, ...] = ()
 
+    @property
+    def incoming_numbers(self) -> list[Connection]:
+        """Connections of inputs that are numbers, type by type."""
+        return [c for name, c in self.incoming.items() if self.face.ports[name].type != "String"]
+
+    @property
+    def incoming_texts(self) -> list[Connection]:
+        """Connections of String inputs."""
+        return [c for name, c in self.incoming.items() if self.face.ports[name].type == "String"]
+
     def __post_init__(self) -> None:
         self.outputs, self.texts = self.face.numbers, self.face.texts
 
@@ -82,9 +96,11 @@ def assemble(configuration: Configuration, seed: int, step: float | None = None)
     if step is not None:
         for node in nodes.values():
             node.period = nanoseconds(step, "the common step")
-    for wire in system.wires:
-        for connection in _expand(wire, nodes):
-            _attach(nodes[wire.target], connection)
+    links = [_connection(link, nodes) for link in system.links]
+    for connection in (*(found for wire in system.wires for found in _expand(wire, nodes)), *links):
+        _attach(nodes[connection.target], connection)
+    for node in nodes.values():
+        node.incoming = dict(sorted(node.incoming.items(), key=partial(_place, node.face)))
     for node in nodes.values():
         for name in node.values.keys() & node.incoming.keys():
             raise _connected(node, name)
@@ -100,7 +116,7 @@ def leave_out(nodes: Mapping[str, Node], patterns: Sequence[str]) -> None:
     for node in nodes.values():
         kept = {name for name in (*node.outputs, *node.texts) if not matches_any(f"{node.name}.{name}", patterns)}
         node.outputs = tuple(name for name in node.outputs if name in kept or (node.name, name) in read)
-        node.texts = tuple(name for name in node.texts if name in kept)
+        node.texts = tuple(name for name in node.texts if name in kept or (node.name, name) in read)
 
 
 def derived_seed(seed: int, instance: str) -> int:
@@ -169,13 +185,34 @@ def _is_output(face: Face, name: str) -> bool:
     return name in face.ports and face.ports[name].causality == "output"
 
 
-def _connect(source: Node, output: str, target: Node, input_: str) -> Connection:
+def _connection(link: Link, nodes: Mapping[str, Node]) -> Connection:
+    """A link between ports that exist."""
+    source, target = nodes[link.source], nodes[link.target]
+    if not _is_output(source.face, link.output):
+        raise _no_output(source, link.output)
+    if link.input not in names(target.face, "input"):
+        raise _no_input(target, link.input)
+    return _connect(source, link.output, target, link.input, link.transformation)
+
+
+def _connect(
+    source: Node, output: str, target: Node, input_: str, transformation: Transformation | None = None
+) -> Connection:
     where = f"{source.name}.{output} -> {target.name}.{input_}"
-    for node, name in ((source, output), (target, input_)):
-        if node.face.ports[name].type != "Real":
-            raise CosimError(f"{where}: {node.name}.{name} is {node.face.ports[name].type}; only Real ports connect")
-    convert = conversion(source.face.unit(output), target.face.unit(input_), where)
-    return Connection(source.name, output, target.name, input_, convert)
+    types = source.face.ports[output].type, target.face.ports[input_].type
+    if types[0] != types[1] and types not in _FITTING and not (transformation and transformation.steps):
+        raise CosimError(f"{where}: one is {types[0]}, the other {types[1]}; connect ports of one type")
+    if "String" in types and types[0] != types[1]:
+        raise CosimError(f"{where}: one is {types[0]}, the other {types[1]}; a String connects to Strings only")
+    if transformation is None:
+        convert = conversion(source.face.unit(output), target.face.unit(input_), where)
+        transformation = AS_IT_IS.then(convert)
+    return Connection(source.name, output, target.name, input_, transformation)
+
+
+def _place(face: Face, incoming: tuple[str, Connection]) -> int:
+    """Inputs are taken type by type, in the order of `TYPES`."""
+    return TYPES.index(face.ports[incoming[0]].type)
 
 
 def _all_named_found(wire: Wire, source: Node, target: Node, found: set[str]) -> None:
@@ -183,11 +220,17 @@ def _all_named_found(wire: Wire, source: Node, target: Node, found: set[str]) ->
     for input_, output in wire.names.items():
         if input_ in found or input_ == "" or input_.endswith("."):
             continue
-        if input_ not in target.face.inputs:
-            raise unknown(f"input of {target.name} ({target.face.model})", input_, target.face.inputs, LOOK)
-        raise unknown(f"output of {source.name} ({source.face.model})", output, source.face.outputs, LOOK)
+        raise _no_output(source, output) if input_ in names(target.face, "input") else _no_input(target, input_)
     if not found:
         raise CosimError(f"nothing connects {wire.source} to {wire.target}: no input of one is an output of the other")
+
+
+def _no_input(node: Node, name: str) -> CosimError:
+    return unknown(f"input of {node.name} ({node.face.model})", name, names(node.face, "input"), LOOK)
+
+
+def _no_output(node: Node, name: str) -> CosimError:
+    return unknown(f"output of {node.name} ({node.face.model})", name, names(node.face, "output"), LOOK)
 
 
 def _attach(node: Node, connection: Connection) -> None:

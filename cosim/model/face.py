@@ -17,6 +17,8 @@ from fmukit.unpacking import ArchiveError, refuse_entities
 
 Value = float | int | bool | str
 Kind = Literal["continuous", "sampled"]
+TYPES = ("Real", "Integer", "Enumeration", "Boolean", "String")
+"""In the order in which the variables of an instance are taken and given."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,8 +62,8 @@ class Face:
 
     @cached_property
     def inputs(self) -> tuple[str, ...]:
-        """Real inputs, in the model's order."""
-        return tuple(p.name for p in self.ports.values() if p.causality == "input" and p.type == "Real")
+        """Inputs, in the model's order."""
+        return tuple(p.name for p in self.ports.values() if p.causality == "input")
 
     @cached_property
     def outputs(self) -> tuple[str, ...]:
@@ -71,9 +73,8 @@ class Face:
     @cached_property
     def numbers(self) -> tuple[str, ...]:
         """All outputs but Strings, type by type, Real ones first."""
-        types = ("Real", "Integer", "Enumeration", "Boolean")
         return tuple(
-            p.name for type_ in types for p in self.ports.values() if (p.causality, p.type) == ("output", type_)
+            p.name for type_ in TYPES[:-1] for p in self.ports.values() if (p.causality, p.type) == ("output", type_)
         )
 
     @cached_property

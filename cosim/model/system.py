@@ -10,6 +10,7 @@ from cosim.errors import CosimError, unknown
 from cosim.model.clock import SECOND
 from cosim.model.face import Kind, Value
 from cosim.model.patterns import is_pattern
+from cosim.model.transformation import Transformation
 
 
 @dataclass
@@ -64,9 +65,23 @@ class Wire:
         return self.names[""] + input_ if "" in self.names else None
 
 
+@dataclass(frozen=True, slots=True)
+class Link:
+    """One output, `source`.`output`, feeds one input, `target`.`input`.
+
+    `transformation` is what becomes of the value; None converts between the units of the two.
+    """
+
+    source: str
+    output: str
+    target: str
+    input: str
+    transformation: Transformation | None = None
+
+
 @dataclass
 class System:
-    """Instances by name, in the order in which they are listed and recorded, and the wires between them.
+    """Instances by name, in the order in which they are listed and recorded, and the wires and links between them.
 
     `assignments` are values set of instances beyond their own parameters, in the order in which they were made; the
     last one counts. `events` are values set during the run.
@@ -74,6 +89,7 @@ class System:
 
     instances: dict[str, Instance] = field(default_factory=dict)
     wires: list[Wire] = field(default_factory=list)
+    links: list[Link] = field(default_factory=list)
     assignments: list[Assignment] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
 
@@ -96,10 +112,15 @@ class System:
         A key of `names` is the full name of an input, or a prefix ending in a dot ("" is every input); the value takes
         its place: {"estimate.": ""} feeds estimate.yaw from yaw, {"estimate.yaw_rate": "angular_rate.z"} one port.
         """
-        for name in (source, target):
-            if name not in self.instances:
-                raise unknown("instance", name, self.instances)
+        self._expect(source, target)
         self.wires.append(Wire(source, target, dict(names if names is not None else {"": ""})))
+
+    def link(
+        self, source: tuple[str, str], target: tuple[str, str], transformation: Transformation | None = None
+    ) -> None:
+        """Feed one input from one output, each an (instance, variable); `transformation` instead of that by units."""
+        self._expect(source[0], target[0])
+        self.links.append(Link(*source, *target, transformation))
 
     def set(self, signal: str, value: Value) -> None:
         """Set `instance.variable` (instance names may contain dots) to a value, possibly still in text form.
@@ -132,6 +153,11 @@ class System:
             raise unknown("instance", ".".join(signal.split(".")[:-1][: dots + 1]), self.instances)
         instance = max(fitting, key=len)
         return instance, signal[len(instance) + 1 :]
+
+    def _expect(self, *names: str) -> None:
+        for name in names:
+            if name not in self.instances:
+                raise unknown("instance", name, self.instances)
 
     def _expect_instance(self, signal: str) -> None:
         if self.is_name(signal):

@@ -34,6 +34,14 @@ class Conversion:
     def trivial(self) -> bool:
         return self.factor == 1.0 and self.offset == 0.0
 
+    def __call__(self, value: float) -> float:
+        """The converted value."""
+        return self.factor * value + self.offset
+
+    def then(self, other: Conversion) -> Conversion:
+        """This conversion and after it the other, in one."""
+        return Conversion(self.factor * other.factor, self.offset * other.factor + other.offset)
+
 
 def conversion(source: Unit | None, target: Unit | None, where: str) -> Conversion:
     """How to convert `source` into `target`; without a unit on either side the value passes unchanged.

@@ -157,10 +157,11 @@ def _connection(parent: ET.Element, connection: Connection) -> None:
         "endConnector": connection.input,
     }
     element = ET.SubElement(parent, f"{{{SSD}}}Connection", ends)
-    if not connection.conversion.trivial:
+    linear = connection.transformation.linear
+    if linear is not None and not linear.trivial:
         element.set("suppressUnitConversion", "true")
-        factor, offset = connection.conversion.factor, connection.conversion.offset
-        ET.SubElement(element, f"{{{SSC}}}LinearTransformation", factor=repr(factor), offset=repr(offset))
+        factor, offset = repr(linear.factor), repr(linear.offset)
+        ET.SubElement(element, f"{{{SSC}}}LinearTransformation", factor=factor, offset=offset)
 
 
 def _events(system: ET.Element, nodes: Iterable[Node]) -> None:

@@ -60,7 +60,7 @@ def test_prefixes_and_single_names():
             face({}, {"a": "m"}, extra=(FAULT,)),
             face({"fault": "m"}, {}),
             None,
-            "source.fault is Boolean; only Real ports connect",
+            "one is Boolean, the other Real; connect ports of one type",
         ),
     ],
 )

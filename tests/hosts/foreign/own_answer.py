@@ -68,7 +68,7 @@ def _connections(nodes: Mapping[str, Node]) -> list[list[object]]:
     found = []
     for node in nodes.values():
         for c in node.incoming.values():
-            assert c.conversion.trivial, f"{c.text}: these hosts are not told to convert units"
+            assert not c.transformation.steps, f"{c.text}: these hosts are not told to convert units"
             output, input_ = nodes[c.source].face.ports[c.output], node.face.ports[c.input]
             found.append([c.source, c.output, output.reference, c.target, c.input, input_.reference])
     return found
