@@ -16,6 +16,7 @@ from benchmarks import (
     closed_loop,
     exchange,
     formation_scaling,
+    isolation,
     local_problem,
     mpc_sample,
     planning,
@@ -36,7 +37,7 @@ def main() -> None:
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     table = Table("what", "value", "against", "aim")
-    modules = (formation_scaling, planning, local_problem, qp_solvers, qp_in_fmu, mpc_sample)
+    modules = (isolation, formation_scaling, planning, local_problem, qp_solvers, qp_in_fmu, mpc_sample)
     before = _load()
     with Live(table, auto_refresh=False) as shown:
         for rows in (_exchange(rounds), _kernel(rounds), _loop(rounds), *(module.rows(rounds) for module in modules)):

@@ -12,6 +12,7 @@ from cosim.command.explain import explanation
 from cosim.command.options import Assignments, Events, Name, Seed, StopTime
 from cosim.command.show import show
 from cosim.command.terminal import notices, progress
+from cosim.engine.loader import ISOLATION_TIMEOUT
 from cosim.engine.schedule import Scheme
 from cosim.errors import RunFailedError, RunInterruptedError
 from cosim.model.system import parse_assignments, parse_events
@@ -44,6 +45,13 @@ def run_command(
     record_all: Annotated[
         bool, typer.Option("--record-all", help="Record the signals too that the scenario leaves out.")
     ] = False,
+    isolate: Annotated[
+        list[str] | None,
+        typer.Option(metavar="INSTANCE", help="Give instances processes of their own; a pattern such as car*, or all."),
+    ] = None,
+    isolate_timeout: Annotated[
+        float, typer.Option(metavar="S", help="What a call of an isolated instance may take, in s of wall time.")
+    ] = ISOLATION_TIMEOUT,
     explain: Annotated[bool, typer.Option("--explain", help="Print order, periods, edges and conversions.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON and nothing else.")] = False,
@@ -55,7 +63,20 @@ def run_command(
     scenario = load(name)
     target = folder if folder is not None else Path("results") / name
     values, changes = parse_assignments(assignments or []), parse_events(events or [])
-    request = Request(scenario, target, values, seed, stop_time, scheme, step, changes, record_every, record_all)
+    request = Request(
+        scenario,
+        target,
+        values,
+        seed,
+        stop_time,
+        scheme,
+        step,
+        changes,
+        record_every,
+        record_all,
+        isolate=isolate or (),
+        isolate_timeout=isolate_timeout,
+    )
     stop = stop_time if stop_time is not None else scenario.stop_time
     explainer = _explainer(to_stderr=as_json or quiet) if explain else lambda _plan: None
     with progress(stop, shown=not (quiet or as_json)) as update:

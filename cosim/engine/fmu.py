@@ -81,6 +81,20 @@ class FmuSlave:
             self._transfer("Get", memory.outputs, memory.y, memory.texts, memory.z),
         )
 
+    def save(self) -> bytes:
+        state = self._call("getFMUState")
+        try:
+            return bytes(self._call("serializeFMUState", state))
+        finally:
+            self._call("freeFMUState", state)
+
+    def restore(self, data: bytes) -> None:
+        state = self._call("deserializeFMUState", data)
+        try:
+            self._call("setFMUState", state)
+        finally:
+            self._call("freeFMUState", state)
+
     def failed(self, status: int) -> None:
         self._library.fatal |= status >= _FATAL
         self._steps &= status < ERROR
@@ -132,9 +146,9 @@ class FmuSlave:
         memory = (c_double * len(names)).from_buffer(values.data)
         return partial(function, *self._arguments(names), memory)
 
-    def _call(self, function: str, *args: object, **options: object) -> None:
+    def _call(self, function: str, *args: object, **options: object) -> Any:
         try:
-            getattr(self._fmu, function)(*args, **options)
+            return getattr(self._fmu, function)(*args, **options)
         except FMICallException as error:
             if error.status > WARNING:
                 self.failed(error.status)

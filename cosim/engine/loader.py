@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import tempfile
 from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -12,6 +13,8 @@ from typing import Self
 from fmpy import platform, sharedLibraryExtension
 
 from cosim.engine.fmu import FmuSlave, Library
+from cosim.engine.isolation.process import Process
+from cosim.engine.isolation.proxy import IsolatedSlave
 from cosim.engine.slave import Slave
 from cosim.errors import CosimError
 from cosim.model.assembly import Node
@@ -24,13 +27,18 @@ from fmukit.places import unpacking_folder
 from fmukit.unpacking import ArchiveError, unpack
 
 Find = Callable[[str], Path]
+ISOLATION_TIMEOUT = 60.0
+"""[s] of wall time that a call of an isolated instance may take unless the user says otherwise."""
 
 
 class Loader:
-    """A context: slaves and unpacked FMUs live until it ends. `find` gives the .fmu file of a catalogue name."""
+    """A context: slaves and unpacked FMUs live until it ends. `find` gives the .fmu file of a catalogue name.
 
-    def __init__(self, find: Find) -> None:
-        self._find = find
+    A call of an isolated instance may take `timeout` [s].
+    """
+
+    def __init__(self, find: Find, timeout: float = ISOLATION_TIMEOUT) -> None:
+        self._find, self._timeout = find, timeout
         self._root = Path()
         self._models: dict[str, Library] = {}
         self._slaves: list[Slave] = []
@@ -54,15 +62,24 @@ class Loader:
         return {name: self._model(instance.model).face for name, instance in system.instances.items()}
 
     def slaves(self, nodes: Mapping[str, Node]) -> dict[str, Slave]:
-        """One slave per node, instantiated but not initialised."""
-        return {name: self._instantiate(name, self._model(node.model)) for name, node in nodes.items()}
+        """One slave per node, instantiated but not initialised; the isolated ones have been started all at once."""
+        with ExitStack() as unused:
+            started = {name: Process(self._timeout) for name, node in nodes.items() if node.isolated}
+            for process in started.values():
+                unused.callback(process.close)
+            made = {
+                name: self._instantiate(name, self._model(node.model), started.get(name))
+                for name, node in nodes.items()
+            }
+            unused.pop_all()
+        return made
 
     def file(self, model: str) -> Path:
         """The .fmu file of a model: the path itself, or where `find` has the catalogue's."""
         return Path(model) if model.endswith(".fmu") else self._find(model)
 
-    def _instantiate(self, name: str, library: Library) -> Slave:
-        slave = FmuSlave(name, library)
+    def _instantiate(self, name: str, library: Library, process: Process | None) -> Slave:
+        slave: Slave = FmuSlave(name, library) if process is None else IsolatedSlave(name, library, process)
         self._slaves.append(slave)
         return slave
 

@@ -12,7 +12,9 @@ from cosim.model.signals import Vector
 Call = Callable[[], int]
 
 OK, WARNING, DISCARD, ERROR = 0, 1, 2, 3
-STATUS = {2: "discard", 3: "error", 4: "fatal error", 5: "pending"}
+CRASH, HANG = 6, 7
+"""Beyond the statuses of FMI: the process of an isolated instance has ended, or did not answer in time."""
+STATUS = {2: "discard", 3: "error", 4: "fatal error", 5: "pending", CRASH: "crash", HANG: "no answer"}
 
 
 def do_nothing() -> int:
@@ -94,3 +96,13 @@ class Slave(Protocol):
 
     def close(self) -> None:
         """Free the slave; never raises."""
+
+
+class Restorable(Slave, Protocol):
+    """A slave whose state can be taken and put back, if its FMU can do so."""
+
+    def save(self) -> bytes:
+        """The FMU state in a form that outlives the instance; raises SlaveError."""
+
+    def restore(self, data: bytes) -> None:
+        """Be as at `save`; outputs are those of then from the next get on; raises SlaveError."""

@@ -57,7 +57,7 @@ class Node:
     """One instance of `model`, checked. `period` [ns]; `values` are set before initialisation; `incoming` by input.
 
     `changes` of unconnected inputs during the run, in order of time. `outputs` are those that are fetched, all numbers
-    as doubles; `texts` are the Strings.
+    as doubles; `texts` are the Strings. An `isolated` one runs in a process of its own.
     """
 
     name: str
@@ -70,6 +70,7 @@ class Node:
     changes: list[Change] = field(default_factory=list)
     outputs: tuple[str, ...] = ()
     texts: tuple[str, ...] = ()
+    isolated: bool = False
 
     @property
     def incoming_numbers(self) -> list[Connection]:
@@ -129,17 +130,19 @@ def _node(name: str, instance: Instance, configuration: Configuration, seed: int
     face, values = configuration.faces[name], configuration.changed(name)
     if SEED in face.ports and face.ports[SEED].type == "Integer":
         values.setdefault(SEED, derived_seed(seed, name))
-    return Node(name, instance.model, face, _period(name, instance, face, values), instance.kind or face.kind, values)
+    period, kind = _period(name, instance, face, values), instance.kind or face.kind
+    return Node(name, instance.model, face, period, kind, values, isolated=instance.isolated)
 
 
 def _one_each(instances: Mapping[str, Instance], faces: Mapping[str, Face]) -> None:
     """Raises CosimError where two instances share a library that holds one at a time (FMI 2.0.4, 4.3.1)."""
     first: dict[str, str] = {}
     for name, instance in instances.items():
-        if faces[name].single and first.setdefault(instance.model, name) != name:
+        alone = instance.isolated or not faces[name].single
+        if not alone and first.setdefault(instance.model, name) != name:
             raise CosimError(
                 f"{instance.model} can be instantiated only once per process, "
-                f"but {first[instance.model]} and {name} are both instances of it; keep one"
+                f"but {first[instance.model]} and {name} are both instances of it; keep one, or `--isolate {name}`"
             )
 
 

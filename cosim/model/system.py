@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from cosim.errors import CosimError, unknown
 from cosim.model.clock import SECOND
 from cosim.model.face import Kind, Value
-from cosim.model.patterns import is_pattern
+from cosim.model.patterns import is_pattern, matches
 from cosim.model.transformation import Transformation
 
 
@@ -20,13 +20,14 @@ class Instance:
     `parameters` are the values its system gives it, by the name of the variable; values in text form are converted
     to the type of the variable. `period` [s] is its communication period; None leaves it to the model.
     `kind` says how it is run, for a model whose description does not tell: a plant ("continuous") or a controller
-    ("sampled"); None goes by the variability of its outputs.
+    ("sampled"); None goes by the variability of its outputs. `isolated`: it runs in a process of its own.
     """
 
     model: str
     parameters: dict[str, Value] = field(default_factory=dict)
     period: float | None = None
     kind: Kind | None = None
+    isolated: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,11 +101,27 @@ class System:
         parameters: Mapping[str, Value] | None = None,
         period: float | None = None,
         kind: Kind | None = None,
+        *,
+        isolated: bool = False,
     ) -> None:
-        """Add an instance; `period` [s] overrides the model's default step, `kind` how it is run."""
+        """Add an instance; `period` [s] overrides the model's default step, `kind` how it is run.
+
+        What goes wrong in an `isolated` one cannot take the run down: it has a process of its own.
+        """
         if name in self.instances:
             raise CosimError(f"the system has two instances named {name}")
-        self.instances[name] = Instance(model, dict(parameters or {}), period, kind)
+        self.instances[name] = Instance(model, dict(parameters or {}), period, kind, isolated)
+
+    def isolate(self, pattern: str) -> None:
+        """Give instances processes of their own: those whose name, or a beginning of it up to a dot, fits the pattern.
+
+        "all" are all; `car*` are car1, car1.plant and car2.plant. Raises CosimError when none is meant.
+        """
+        meant = [name for name in self.instances if pattern == "all" or _is_meant(name, pattern)]
+        if not meant:
+            raise unknown("instance", pattern, self.instances, "`--explain` lists the instances")
+        for name in meant:
+            self.instances[name].isolated = True
 
     def connect(self, source: str, target: str, names: Mapping[str, str] | None = None) -> None:
         """Wire `source` to `target`, same name to same name, or as `names` maps inputs to outputs.
@@ -165,6 +182,11 @@ class System:
 
     def _named(self, signal: str) -> list[str]:
         return [name for name in self.instances if signal.startswith(name + ".")]
+
+
+def _is_meant(name: str, pattern: str) -> bool:
+    parts = name.split(".")
+    return any(matches(".".join(parts[: k + 1]), pattern) for k in range(len(parts)))
 
 
 def parse_assignments(texts: Iterable[str]) -> list[tuple[str, str]]:

@@ -6,13 +6,17 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from cosim.engine.loader import ISOLATION_TIMEOUT
 from cosim.engine.models import find
 from cosim.engine.schedule import Scheme
+from cosim.errors import CosimError
 from cosim.model.clock import nanoseconds
 from cosim.scenario.definition import Scenario
 
 FAULT = "**.fault"
 """Boolean outputs of the catalogue's FMUs that are false as long as a run goes on; fetching them would take time."""
+
+_LONGEST = 1e6
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,6 +27,8 @@ class Request:
     besides those of the scenario. `step` [s] is one communication step for all instances instead of a period for each.
     `stop_time` and `record_every` [s] take the place of the scenario's. `record_all` records what the scenario leaves
     out. `find` gives the .fmu file of a model by its name.
+    `isolate` are patterns of instances that get processes of their own (see `System.isolate`), each call of which may
+    take `isolate_timeout` [s] of wall time.
     """
 
     scenario: Scenario
@@ -36,9 +42,13 @@ class Request:
     record_every: float | None = None
     record_all: bool = False
     find: Callable[[str], Path] = find
+    isolate: Sequence[str] = ()
+    isolate_timeout: float = ISOLATION_TIMEOUT
 
     def __post_init__(self) -> None:
         _ = self.stop, self.interval  # before anything is prepared, or removed from the folder
+        if not 1e-3 <= self.isolate_timeout <= _LONGEST:
+            raise CosimError(f"the time-out of isolated instances is {self.isolate_timeout:g} s; give 0.001 to 1e6 s")
 
     @property
     def stop(self) -> int:

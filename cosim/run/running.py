@@ -72,7 +72,7 @@ def run(
 
     A slave that fails or an interrupt end the run with that status; what was recorded until then is kept.
     """
-    with Loader(request.find) as loader:
+    with Loader(request.find, request.isolate_timeout) as loader:
         made = plan(request, loader)
         explain(made)
         with claimed(request.folder):
@@ -83,10 +83,12 @@ def run(
 def execute(made: RunPlan, load: Load, progress: Progress = lambda _time: None) -> Outcome:
     """Load the slaves, initialise and run them, recording into the folder of the request."""
     with interrupts() as interrupted:
-        slaves = load()
+        slaves, lost = _loaded(load)
         master = Master(made.nodes, made.schedule, slaves)
         recorder = _recorder(made, master)
         try:
+            if lost:
+                raise lost
             master.initialise()
             said = pass_on(slaves)
             outcome = master.run(made.request.stop, recorder, partial(_kept, recorder, progress), interrupted)
@@ -99,6 +101,14 @@ def execute(made: RunPlan, load: Load, progress: Progress = lambda _time: None) 
                 recorder.close()
             raise
         return _closed(recorder, outcome)
+
+
+def _loaded(load: Load) -> tuple[Mapping[str, Slave], SlaveError | None]:
+    """The slaves, or how the process of an isolated one was lost on the way."""
+    try:
+        return load(), None
+    except SlaveError as error:
+        return {}, error
 
 
 def _recorder(made: RunPlan, master: Master) -> Recorder:

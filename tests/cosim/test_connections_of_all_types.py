@@ -68,9 +68,18 @@ def chain(tmp_path: Path) -> System:
     return system
 
 
-def ran(system: System, folder: Path, scheme: str = "multirate") -> Finished:
+def ran(system: System, folder: Path, scheme: str = "multirate", isolate: tuple[str, ...] = ()) -> Finished:
     scenario = scenario_of("typed", lambda _settings, _prepared: system, stop_time=0.5)
-    return run(Request(scenario, folder, scheme=scheme))
+    return run(Request(scenario, folder, scheme=scheme, isolate=isolate))
+
+
+@pytest.mark.parametrize("isolate", ["counter", "echo", "all"])
+def test_every_type_is_carried_from_process_to_process(chain: System, tmp_path: Path, isolate: str) -> None:
+    chain.connect("counter", "echo")
+    for name, isolated in (("plain", ()), ("isolated", (isolate,))):
+        assert ran(chain, tmp_path / name, isolate=isolated).summary.status == "ok"
+    files = [(tmp_path / name / "results.parquet").read_bytes() for name in ("plain", "isolated")]
+    assert files[0] == files[1]
 
 
 @pytest.mark.parametrize(("scheme", "late"), [("multirate", 0), ("jacobi", 1)])
