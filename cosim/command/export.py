@@ -7,11 +7,11 @@ from typing import Annotated
 
 import typer
 
+from cosim.command.opening import opened
 from cosim.command.options import Assignments, Events, Name, Seed, StopTime
 from cosim.command.terminal import notices
 from cosim.model.system import parse_assignments, parse_events
 from cosim.run.request import Request
-from cosim.scenario.discovery import load
 from cosim.ssp.export import export
 
 
@@ -26,6 +26,7 @@ def export_command(
 ) -> None:
     """Write a scenario as SSP 1.0, with its FMUs and parameter values, for other tools."""
     notices(shown=True)
-    target = file if file is not None else Path(f"{name}.ssp")
     values, changes = parse_assignments(assignments or []), parse_events(events or [])
-    print(export(Request(load(name), target.parent, values, seed, stop_time, events=changes), target))
+    with opened(name) as scenario:
+        target = file if file is not None else Path(f"{scenario.name}.ssp")
+        print(export(Request(scenario, target.parent, values, seed, stop_time, events=changes), target))

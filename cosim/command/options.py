@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-Name = Annotated[str, typer.Argument(help="Name of a scenario, see `cosim list`.")]
+Name = Annotated[str, typer.Argument(help="A scenario, see `cosim list`, or the file of a system.")]
 Assignments = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="instance.variable=value", help="Set a parameter, or scenario.SETTING."),

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from cosim.command.explain import explanation
+from cosim.command.opening import opened
 from cosim.command.options import Assignments, Events, Name, Seed, StopTime
 from cosim.command.show import show
 from cosim.command.terminal import notices, progress
@@ -20,7 +21,6 @@ from cosim.results.summary import Summary
 from cosim.run.prepare import RunPlan
 from cosim.run.request import Request
 from cosim.run.running import OVERVIEW, Finished, run
-from cosim.scenario.discovery import load
 from fmukit.console import console_of
 from fmukit.errors import because
 
@@ -60,29 +60,29 @@ def run_command(
 ) -> None:
     """Run a scenario and write its results."""
     notices(shown=not quiet)
-    scenario = load(name)
-    target = folder if folder is not None else Path("results") / name
     values, changes = parse_assignments(assignments or []), parse_events(events or [])
-    request = Request(
-        scenario,
-        target,
-        values,
-        seed,
-        stop_time,
-        scheme,
-        step,
-        changes,
-        record_every,
-        record_all,
-        isolate=isolate or (),
-        isolate_timeout=isolate_timeout,
-    )
-    stop = stop_time if stop_time is not None else scenario.stop_time
-    explainer = _explainer(to_stderr=as_json or quiet) if explain else lambda _plan: None
-    with progress(stop, shown=not (quiet or as_json)) as update:
-        finished = run(request, explainer, update)
-    if not no_report:
-        _draw(finished, target / OVERVIEW)
+    with opened(name) as scenario:
+        target = folder if folder is not None else Path("results") / scenario.name
+        request = Request(
+            scenario,
+            target,
+            values,
+            seed,
+            stop_time,
+            scheme,
+            step,
+            changes,
+            record_every,
+            record_all,
+            isolate=isolate or (),
+            isolate_timeout=isolate_timeout,
+        )
+        stop = stop_time if stop_time is not None else scenario.stop_time
+        explainer = _explainer(to_stderr=as_json or quiet) if explain else lambda _plan: None
+        with progress(stop, shown=not (quiet or as_json)) as update:
+            finished = run(request, explainer, update)
+        if not no_report:
+            _draw(finished, target / OVERVIEW)
     if as_json:
         print(finished.summary.json())
     elif not quiet:

@@ -7,7 +7,7 @@ All other characters stand for themselves, brackets too.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import cache
 
 _WILD = {"**": ".*", "*": r"[^.]*", "?": r"[^.]"}
@@ -38,7 +38,22 @@ def fits_beginning(name: str, pattern: str) -> bool:
     return any(matches(name, pattern[:end]) for end in (*dots, *inside))
 
 
+def captured(name: str, pattern: str) -> tuple[str, ...] | None:
+    """The text that each wildcard of the pattern stands for in `name`; None where the name does not fit."""
+    found = _compiled(pattern).fullmatch(name)
+    return found.groups() if found else None
+
+
+def substituted(pattern: str, texts: Sequence[str]) -> str:
+    """The pattern with its wildcards replaced by the texts in turn, as far as there are any."""
+    left = iter(texts)
+    return "".join(next(left, part) if part in _WILD else part for part in _parts(pattern))
+
+
+def _parts(pattern: str) -> list[str]:
+    return re.split(r"(\*\*|\*|\?)", pattern)
+
+
 @cache
 def _compiled(pattern: str) -> re.Pattern[str]:
-    parts = re.split(r"(\*\*|\*|\?)", pattern)
-    return re.compile("".join(_WILD.get(part, re.escape(part)) for part in parts))
+    return re.compile("".join(f"({_WILD[part]})" if part in _WILD else re.escape(part) for part in _parts(pattern)))

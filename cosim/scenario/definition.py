@@ -37,22 +37,25 @@ if TYPE_CHECKING:
 class Scenario:
     """What a scenario is. `figures` names what of the thesis it reproduces.
 
-    `module` is the dotted name of the module whose `WORK` it does. `stop_time` [s] is the end of the run unless the
-    user gives another. A row is recorded every `record_every` [s]; 0 is at every tick. Signals that fit a pattern of
-    `unrecorded`, such as **.tyre_force_x.fl, are left out of the results.
+    `module` is the dotted name of the module whose `WORK` it does, unless it has `made` work. `stop_time` [s] is the
+    end of the run unless the user gives another. A row is recorded every `record_every` [s]; 0 is at every tick.
+    Signals that fit a pattern of `unrecorded`, such as **.tyre_force_x.fl, are left out of the results.
     """
 
     name: str
     title: str
     figures: str
     stop_time: float
-    module: str
+    module: str = ""
     settings: Mapping[str, Setting | NumberSetting] = field(default_factory=dict)
     record_every: float = 0.0
     unrecorded: Sequence[str] = ()
+    made: Work | None = None
 
     def work(self) -> Work:
         """What the scenario does; imports its module. Raises CosimError when that cannot be."""
+        if self.made is not None:
+            return self.made
         try:
             work: Work = import_module(self.module).WORK
         except (ImportError, AttributeError) as error:

@@ -1,0 +1,65 @@
+"""The form of a system file: what may stand where, and of which type. docs/your-own-system.md describes it."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+import msgspec
+
+from cosim.scenario.measure import Statistic
+
+Scalar = bool | int | float | str
+
+
+class InstanceForm(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=True):
+    """One instance; `model` is a path relative to the file, or the name of a model that is offered; `period` [s]."""
+
+    model: str
+    period: float | None = None
+    kind: Literal["continuous", "sampled"] | None = None
+    parameters: dict[str, Scalar] = {}
+
+
+class ConnectionForm(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=True):
+    """Two instances, same name to same name or by `names`; or two signals, with a `factor`, an `offset` or a `map`."""
+
+    source: str = msgspec.field(name="from")
+    target: str = msgspec.field(name="to")
+    names: dict[str, str] | None = None
+    factor: float = 1.0
+    offset: float = 0.0
+    map: dict[str, int | bool] | None = None
+
+
+class EventForm(msgspec.Struct, forbid_unknown_fields=True):
+    """From `time` [s] on unconnected inputs hold other values."""
+
+    time: float
+    set: dict[str, Scalar]
+
+
+class MetricForm(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=True):
+    """One number of a signal, and the limits it has to keep; `words` say what has happened where it does not."""
+
+    signal: str
+    of: Statistic
+    minus: str | None = None
+    after: float = 0.0
+    at_most: float = math.inf
+    at_least: float = -math.inf
+    words: str = ""
+
+
+class SystemForm(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=True):
+    """The whole file; times in seconds."""
+
+    stop_time: float
+    instances: dict[str, InstanceForm]
+    name: str = ""
+    title: str = ""
+    record_every: float = 0.0
+    unrecorded: list[str] = []
+    connections: list[ConnectionForm] = []
+    events: list[EventForm] = []
+    metrics: dict[str, MetricForm] = {}
