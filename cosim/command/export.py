@@ -1,4 +1,4 @@
-"""`cosim export`: write a scenario as SSP 1.0."""
+"""`cosim export`: write a scenario as SSP 1.0, or as a system file."""
 
 from __future__ import annotations
 
@@ -18,15 +18,23 @@ from cosim.ssp.export import export
 def export_command(
     name: Name,
     *,
-    file: Annotated[Path | None, typer.Option("-o", "--output", help="The file; NAME.ssp if left out.")] = None,
+    file: Annotated[
+        Path | None, typer.Option("-o", "--output", help="FILE.ssp or FILE.toml; NAME.ssp if left out.")
+    ] = None,
     assignments: Assignments = None,
     seed: Seed = 0,
     stop_time: StopTime = None,
     events: Events = None,
 ) -> None:
-    """Write a scenario as SSP 1.0, with its FMUs and parameter values, for other tools."""
+    """Write a scenario as SSP 1.0, with its FMUs and values, for other tools; or as a TOML file, to change it."""
     notices(shown=True)
     values, changes = parse_assignments(assignments or []), parse_events(events or [])
     with opened(name) as scenario:
         target = file if file is not None else Path(f"{scenario.name}.ssp")
-        print(export(Request(scenario, target.parent, values, seed, stop_time, events=changes), target))
+        request = Request(scenario, target.parent, values, seed, stop_time, events=changes)
+        if target.suffix == ".toml":
+            from cosim.system_file.writing import export_system  # noqa: PLC0415 - only for those who want one
+
+            print(export_system(request, target))
+        else:
+            print(export(request, target))

@@ -1,0 +1,110 @@
+"""From a configured system to a system file, which runs to the same bits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import tomli_w
+
+from cosim.engine.loader import Loader
+from cosim.errors import CosimError
+from cosim.model.clock import to_seconds
+from cosim.model.configuration import Configuration
+from cosim.model.system import Event, Instance, Link, Wire
+from cosim.model.transformation import Lookup
+from cosim.run.prepare import RunPlan, plan
+from cosim.run.request import Request
+from cosim.system_file.form import ConnectionForm, EventForm, InstanceForm, Scalar, SystemForm
+from fmukit.errors import because
+from fmukit.files import write
+
+
+def export_system(request: Request, file: Path) -> Path:
+    """Write what the request would run as `file` and return it; raises CosimError.
+
+    Tables that String parameters name are copied into a folder beside it, called as the file without its suffix.
+    The scenario's own metrics, limits and picture are code, which stays behind.
+    """
+    with Loader(request.find) as loader:
+        made = plan(request, loader)
+    tables: dict[str, Path] = {}
+    form = _form(made, file, tables)
+    text = tomli_w.dumps(msgspec.to_builtins(form))
+    try:
+        for name, table in tables.items():
+            write(file.parent / name, table.read_bytes())
+        return write(file, text.encode())
+    except OSError as error:
+        raise CosimError(f"cannot write {file}: {because(error)}") from None
+
+
+def _form(made: RunPlan, file: Path, tables: dict[str, Path]) -> SystemForm:
+    request, configuration = made.request, made.configured.configuration
+    system = configuration.system
+    return SystemForm(
+        name=request.scenario.name,
+        title=request.scenario.title,
+        stop_time=to_seconds(request.stop),
+        record_every=to_seconds(request.interval) if request.interval else SystemForm.record_every,
+        unrecorded=list(request.scenario.unrecorded),
+        instances={
+            name: _instance(instance, _kept(configuration, name, file.stem, tables), file)
+            for name, instance in system.instances.items()
+        },
+        connections=[*map(_wire, system.wires), *(_link(link) for link in system.links)],
+        events=_events(system.events),
+    )
+
+
+def _instance(instance: Instance, values: dict[str, Scalar], file: Path) -> InstanceForm:
+    model = instance.model
+    if model.endswith(".fmu"):
+        path, here = Path(model).resolve(), file.parent.resolve()
+        model = str(path.relative_to(here)) if path.is_relative_to(here) else str(path)
+    return InstanceForm(model, instance.period, instance.kind, values)
+
+
+def _kept(configuration: Configuration, name: str, folder: str, tables: dict[str, Path]) -> dict[str, Scalar]:
+    """The values set of an instance, those that name files as their copies in `folder`."""
+    ports = configuration.faces[name].ports
+    values: dict[str, Scalar] = dict(configuration.changed(name))
+    for variable, value in values.items():
+        if ports[variable].type == "String" and value and Path(str(value)).is_file():
+            values[variable] = _copied(Path(str(value)), folder, tables)
+    return values
+
+
+def _copied(table: Path, folder: str, tables: dict[str, Path]) -> str:
+    """Where the copy of a table goes, relative to the system file; numbered where another table has its name."""
+    name, number = f"{folder}/{table.name}", 1
+    while tables.setdefault(name, table) != table:
+        number += 1
+        name = f"{folder}/{table.stem}-{number}{table.suffix}"
+    return name
+
+
+def _wire(wire: Wire) -> ConnectionForm:
+    return ConnectionForm(wire.source, wire.target, None if wire.names == {"": ""} else dict(wire.names))
+
+
+def _link(link: Link) -> ConnectionForm:
+    form = ConnectionForm(f"{link.source}.{link.output}", f"{link.target}.{link.input}")
+    if link.transformation is None:
+        return form
+    for step in link.transformation.steps:
+        if isinstance(step, Lookup):
+            form.map = {str(source): target for source, target in step.entries}
+        else:
+            form.factor, form.offset = step.factor, step.offset
+    return form
+
+
+def _events(events: Iterable[Event]) -> list[EventForm]:
+    """Events of one time together, in their order."""
+    at: dict[float, dict[str, Any]] = {}
+    for event in events:
+        at.setdefault(event.time, {})[event.signal] = event.value
+    return [EventForm(time, dict(values)) for time, values in sorted(at.items())]
