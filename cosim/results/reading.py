@@ -12,12 +12,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pyarrow as pa
 
 from cosim.errors import CosimError, unknown
 from cosim.model.clock import SECOND
 from cosim.model.face import Value
 from cosim.model.signals import Vector
-from cosim.results.storage import PARQUET, STREAM, open_parquet, read_stream
+from cosim.results.growing import is_unfinished, open_unfinished
+from cosim.results.storage import BEFORE, PARQUET, STREAM, open_parquet, read_stream
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,23 +93,56 @@ class Results:
 class _Columns:
     """What `Results` needs of an Arrow table, out of an open Parquet file."""
 
-    def __init__(self, path: Path) -> None:
-        self._file = open_parquet(path)
-        self.schema = self._file.schema_arrow
+    def __init__(self, file: Any) -> None:
+        self._file = file
+        self.rows = file.metadata.num_rows
+        self.schema = file.schema_arrow
 
     def column(self, name: str) -> Any:
         return self._file.read(columns=[name], use_threads=False).column(name)
 
 
+class _Joined:
+    """What `Results` needs of an Arrow table, out of the two files of a killed run."""
+
+    def __init__(self, early: _Columns, late: Any) -> None:
+        self._early, self._late = early, late.slice(max(0, early.rows - _rows_before(late)))
+        self.schema = early.schema
+
+    def column(self, name: str) -> Any:
+        return pa.chunked_array([*self._early.column(name).chunks, *self._late.column(name).chunks])
+
+
+def _rows_before(stream: Any) -> int:
+    return int((stream.schema.metadata or {}).get(BEFORE, b"0"))
+
+
 def load_results(folder: Path, facts: Facts | None = None) -> Results:
-    """The results in a run's folder: the Parquet file, or what a killed run left in its stream, without a stop time.
+    """The results in a run's folder: the Parquet file, or what a killed run left there, without a stop time.
 
     `facts` are what the caller knows of the run beside its signals. Raises CosimError for a folder without results.
     """
     facts = facts or Facts()
     if (folder / PARQUET).is_file():
-        return Results(_Columns(folder / PARQUET), facts)
-    if (folder / STREAM).is_file():
-        stop = math.inf if facts.stop is None else facts.stop
-        return Results(read_stream(folder / STREAM), replace(facts, stop=stop))
+        return Results(_Columns(open_parquet(folder / PARQUET)), facts)
+    table = _left(folder)
+    if table is not None:
+        return Results(table, replace(facts, stop=math.inf if facts.stop is None else facts.stop))
     raise CosimError(f"{folder} holds no results")
+
+
+def _left(folder: Path) -> Any:
+    """What a killed run has left, None if nothing."""
+    stream = _stream(folder / STREAM)
+    if not is_unfinished(folder):
+        return stream
+    early = _Columns(open_unfinished(folder))
+    return early if stream is None else _Joined(early, stream)
+
+
+def _stream(path: Path) -> Any:
+    """The table of a stream, None if there is none, or not even its first words."""
+    try:
+        return read_stream(path)
+    except (FileNotFoundError, pa.ArrowInvalid):
+        return None

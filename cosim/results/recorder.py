@@ -1,4 +1,4 @@
-"""Rows of the signal vector: an Arrow stream while running, so that a killed run keeps them; Parquet when done."""
+"""Rows of the signal vector: the latest in an Arrow stream, all before in Parquet, so that a killed run keeps them."""
 
 from __future__ import annotations
 
@@ -18,9 +18,11 @@ from cosim.model.clock import SECOND, to_seconds
 from cosim.model.patterns import matches_any
 from cosim.model.signals import Signal, Vector
 from cosim.results.columns import TYPES, Batch, Texts
-from cosim.results.storage import PARQUET, STREAM, sink, write_parquet
+from cosim.results.growing import Growing
+from cosim.results.storage import BEFORE, STREAM, group_rows, groups, sink
 
 _ROWS, CHUNK_VALUES = 512, 1 << 17  # in a chunk, at most
+SPAN_VALUES = 1 << 23
 _PATIENCE = 2.0  # [s] of wall time
 _ARRAY = re.compile(r"\[\d+]")
 
@@ -38,8 +40,9 @@ class Recorder:
     """Call it once per tick. `vector` is [time, signals...]; `chosen` are positions in `signals`; `folder` exists.
 
     With `every` [ns] only the first call at or after each multiple of it makes a row, and the one at `stop` [ns].
-    Rows are gathered in a chunk and appended to the stream whenever it is full. `about` becomes the file's metadata,
-    `texts` are recorded beside the vector.
+    Rows are gathered in a chunk and appended to the stream whenever it is full. Of a long run, whose number of `rows`
+    is known, the stream is moved into the Parquet file now and then, and begun again: neither memory nor disk have to
+    hold the run twice. `about` becomes the file's metadata, `texts` are recorded beside the vector.
     """
 
     def __init__(
@@ -52,6 +55,7 @@ class Recorder:
         stop: int | None = None,
         about: Mapping[bytes, bytes] | None = None,
         texts: Texts | None = None,
+        rows: int | None = None,
     ) -> None:
         self._folder = folder
         self._every, self._stop = every, stop
@@ -61,16 +65,15 @@ class Recorder:
         self._rows = list(self._chunk)
         self._columns = np.zeros(self._chunk.T.shape)
         kept = [*(signals[i] for i in chosen), *(texts.signals if texts else ())]
-        schema = _schema(kept, about)
-        self._batch = Batch(self._columns, schema)
+        self._schema = _schema(kept, about)
+        self._batch = Batch(self._columns, self._schema)
         self._texts = texts or Texts((), ())
         self._said: list[list[str]] = []
         self._take = vector.take
+        self._expected, self._span = rows, _span(rows, len(self._schema))
+        self._growing = Growing(folder, self._schema)
         self._filled = self._written = 0
-        self._flushed = monotonic()
-        self._sink = sink(folder / STREAM)
-        self._writer = pa.ipc.new_stream(self._sink, schema)
-        self.flush()  # an empty chunk writes the schema, so that the stream can be read from now on
+        self._begin()
 
     def __call__(self) -> None:
         if self._clock.value < self._next:
@@ -81,8 +84,16 @@ class Recorder:
             self._said.append(list(self._texts.values))
         if self._every:
             self._next = self._due()
-        if self._filled == len(self._rows):
+        if self._filled == self._full:
             self.flush()
+
+    def _begin(self) -> None:
+        """A new stream, which says how many rows went before."""
+        before = {**(self._schema.metadata or {}), BEFORE: str(self._written).encode()}
+        self._sink = sink(self._folder / STREAM)
+        self._writer = pa.ipc.new_stream(self._sink, self._schema.with_metadata(before))
+        self._until = self._written + self._span
+        self._append()  # an empty chunk writes the schema, so that the stream can be read from now on
 
     def _due(self) -> float:
         """When the next row is due [s]."""
@@ -91,6 +102,14 @@ class Recorder:
         return to_seconds(later if self._stop is None else min(later, self._stop))
 
     def flush(self) -> None:
+        """Append the rows gathered so far to the stream, and move it into the Parquet file when it is long enough."""
+        self._append()
+        if self._written == self._until:
+            self._end_stream()
+            self._growing.append(groups(self._folder / STREAM, self._group()))
+            self._begin()
+
+    def _append(self) -> None:
         """Append the rows gathered so far to the stream and hand them to the operating system.
 
         OSError (a full disk) ends the recording: the stream keeps its whole chunks, `close` writes nothing more to it.
@@ -106,6 +125,7 @@ class Recorder:
         self._written += self._filled
         self._filled = 0
         self._said.clear()
+        self._full = min(len(self._rows), self._until - self._written)
         self._flushed = monotonic()
 
     def keep(self) -> None:
@@ -114,20 +134,37 @@ class Recorder:
             self.flush()
 
     def close(self) -> None:
-        """Write results.parquet from the stream, then remove the stream.
+        """Move the rest of the stream into results.parquet, then remove the stream.
 
-        When the disk is full this raises OSError, and what was recorded is in whichever of the two files is there.
+        When the disk is full this raises OSError, and what was recorded is in whichever files are there.
         """
         try:
             if self._filled and not self._sink.closed:
-                self.flush()
-            if not self._sink.closed:
-                self._writer.close()
+                self._append()
         finally:
+            if not self._sink.closed:
+                self._end_stream()
             self._sink.close()
             stream = self._folder / STREAM
-            write_parquet(stream, self._folder / PARQUET, self._written)
+            if self._written > self._growing.rows or not self._written:
+                self._growing.append(groups(stream, self._group()), last=True)
+            self._growing.finish()
             stream.unlink()
+
+    def _end_stream(self) -> None:
+        self._writer.close()
+        self._sink.close()
+
+    def _group(self) -> int:
+        return group_rows(max(1, self._expected or self._written), len(self._schema))
+
+
+def _span(rows: int | None, columns: int) -> int:
+    """How many rows the stream takes before it is moved: whole row groups, of about `SPAN_VALUES` values at least."""
+    if rows is None:
+        return 1 << 62
+    group = group_rows(max(1, rows), columns)
+    return group * max(1, round(SPAN_VALUES / (group * columns)))
 
 
 def _schema(signals: Sequence[Signal], about: Mapping[bytes, bytes] | None) -> Any:

@@ -1,4 +1,4 @@
-"""The files of results: the Arrow stream of a run, and the Parquet file made from it when the run is over."""
+"""The files of results: the Arrow stream of a run, and the row groups of the Parquet file made from it."""
 
 from __future__ import annotations
 
@@ -16,6 +16,8 @@ from cosim.results.columns import is_plain
 
 STREAM = "results.arrows"
 PARQUET = "results.parquet"
+BEFORE = b"rows_before"
+"""The key of the metadata of a stream under which stands how many rows of the run went before its first."""
 GROUP_VALUES = 1 << 19
 """Values that a row group of the Parquet file holds whatever the number of its rows."""
 COLUMN_OVERHEAD = 256
@@ -48,29 +50,20 @@ def _batches(reader: Any) -> Iterator[Any]:
             return
 
 
-def write_parquet(stream: Path, path: Path, rows: int) -> None:
-    """Write the `rows` in the stream file to `path`, which then is whole: on OSError no file is left."""
-    partial = path.with_suffix(".partial")
-    try:
-        with stream.open("rb") as source, sink(partial) as target:
-            reader = pa.ipc.open_stream(source)
-            with parquet.ParquetWriter(target, reader.schema, compression="zstd", use_dictionary=False) as writer:
-                groups = _groups if is_plain(reader.schema) else _mixed_groups
-                for group in groups(reader, rows):
-                    writer.write_table(group)
-    except OSError:
-        partial.unlink(missing_ok=True)
-        raise
-    partial.replace(path)
+def groups(stream: Path, size: int) -> Iterator[Any]:
+    """The content of a stream file as tables of `size` rows, the last one of what is left."""
+    with stream.open("rb") as source:
+        reader = pa.ipc.open_stream(source)
+        yield from (_plain_groups if is_plain(reader.schema) else _mixed_groups)(reader, size)
 
 
-def _groups(reader: Any, rows: int) -> Iterator[Any]:
+def _plain_groups(reader: Any, size: int) -> Iterator[Any]:
     """Tables of equally many rows but for the last, however long the chunks are, which a slow run cuts shorter.
 
     All show the same memory, each until the next is asked for. Arrow's own concatenation of a few rows of thousands of
     columns takes many times the memory of their values.
     """
-    group, filled = np.empty((len(reader.schema), group_rows(rows, len(reader.schema)))), 0
+    group, filled = np.empty((len(reader.schema), size)), 0
     for batch in _batches(reader):
         values = batch.to_tensor(row_major=False).to_numpy().T if len(batch) else group[:, :0]
         while values.shape[1]:
@@ -84,15 +77,17 @@ def _groups(reader: Any, rows: int) -> Iterator[Any]:
         yield pa.Table.from_arrays([pa.array(column) for column in group[:, :filled]], schema=reader.schema)
 
 
-def _mixed_groups(reader: Any, rows: int) -> Iterator[Any]:
-    """As `_groups`, of columns of several types, through Arrow's own concatenation."""
-    size, kept, filled = group_rows(rows, len(reader.schema)), [], 0
+def _mixed_groups(reader: Any, size: int) -> Iterator[Any]:
+    """As `_plain_groups`, of columns of several types, through Arrow's own concatenation."""
+    kept, filled = [], 0
     for batch in _batches(reader):
-        kept.append(batch)
-        filled += len(batch)
-        if filled >= size:
-            yield pa.Table.from_batches(kept, reader.schema).combine_chunks()
-            kept, filled = [], 0
+        while len(batch):
+            part = batch.slice(0, size - filled)
+            kept.append(part)
+            filled, batch = filled + len(part), batch.slice(len(part))  # noqa: PLW2901
+            if filled == size:
+                yield pa.Table.from_batches(kept, reader.schema).combine_chunks()
+                kept, filled = [], 0
     if filled:
         yield pa.Table.from_batches(kept, reader.schema).combine_chunks()
 

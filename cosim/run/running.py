@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -15,6 +16,7 @@ from cosim.engine.slave import Slave, SlaveError
 from cosim.errors import CosimError
 from cosim.model.clock import SECOND, to_seconds
 from cosim.results.columns import Texts
+from cosim.results.growing import FOOTER, PARTIAL
 from cosim.results.provenance import KEY, lines_of_title
 from cosim.results.reading import Facts, Results, load_results
 from cosim.results.recorder import Recorder, recorded
@@ -24,12 +26,14 @@ from cosim.run.claim import claimed, unwritable
 from cosim.run.interrupts import interrupts
 from cosim.run.prepare import RunPlan, plan
 from cosim.run.request import Request
+from cosim.run.volume import expected_rows, remarks
 from cosim.scenario.limit import Verdict, judged, missed
 from cosim.scenario.metric import Metrics
 from fmukit.errors import because
 
+_LOG = logging.getLogger("cosim")
 OVERVIEW = "overview.png"
-WRITTEN = (SUMMARY, OVERVIEW, PARQUET, STREAM)
+WRITTEN = (SUMMARY, OVERVIEW, PARQUET, STREAM, FOOTER, PARTIAL)
 """What a run leaves in its folder."""
 Progress = Callable[[int], None]
 """Is told the simulated time [ns] now and then."""
@@ -120,7 +124,10 @@ def _recorder(made: RunPlan, master: Master) -> Recorder:
             (folder / name).unlink(missing_ok=True)
         kept = recorded(master.signals, request.unrecorded)
         texts = Texts(master.written, master.texts)
-        return Recorder(folder, master.vector, master.signals, kept, request.interval, request.stop, about, texts)
+        rows = expected_rows(request, made.schedule, made.nodes)
+        for remark in remarks(rows, 1 + len(kept) + len(texts.signals), folder):
+            _LOG.warning("%s", remark)
+        return Recorder(folder, master.vector, master.signals, kept, request.interval, request.stop, about, texts, rows)
     except OSError as error:
         raise unwritable(folder, error) from None
 
