@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import stat
+import sys
 import tempfile
 from collections.abc import Callable
 from contextlib import suppress
@@ -29,11 +31,11 @@ def kept(folder: str, name: str, make: Callable[[], bytes], root: Path | None = 
 
     `folder` is "WHAT-KEY", with all in the key that the bytes depend on. A checksum beside the file tells whether it is
     whole: loading half a library ends the process. Folders of the same WHAT not used for a month are removed. Raises
-    BuildError when the folder cannot be written, before the long `make()` where that can be known.
+    BuildError when the folder cannot be written, before the long `make()` where that can be known, and when others may
+    write it.
     """
     path = (root or cache_folder()) / folder / name
-    _mark_used(path.parent)
-    if _whole(path):
+    if _usable(path):
         return path
     check_writable(path.parent)
     data = make()
@@ -44,6 +46,41 @@ def kept(folder: str, name: str, make: Callable[[], bytes], root: Path | None = 
         raise _unwritable(path.parent, error) from error
     prune(path.parent)
     return path
+
+
+def found(pattern: str, name: str, root: Path | None = None) -> Path | None:
+    """The file `name` in whichever folder of the cache fits the pattern and has it whole, the one used last."""
+    folders = [(each.stat().st_mtime, each) for each in (root or cache_folder()).glob(pattern) if each.is_dir()]
+    return next((each / name for _, each in sorted(folders, reverse=True) if _usable(each / name)), None)
+
+
+def _usable(path: Path) -> bool:
+    """Whether the file is there and whole; raises BuildError when it is not ours alone."""
+    _mark_used(path.parent)
+    for each in (path.parent.parent, path.parent, path, _sum(path)):
+        refuse_shared(each)
+    return _whole(path)
+
+
+def refuse_shared(path: Path) -> None:
+    """Raise BuildError for a file or folder that another user may change: what is in it would run with our rights.
+
+    The superuser and the user's own group may. Windows has rights of another kind, which are not looked at.
+    """
+    if sys.platform == "win32":
+        return
+    with suppress(OSError):
+        status = path.stat()
+        foreign = status.st_uid not in (0, os.geteuid())
+        shared = status.st_mode & (stat.S_IWOTH | (stat.S_IWGRP if status.st_gid != os.getegid() else 0))
+        if foreign or shared:
+            why = (
+                "belongs to another user" if foreign else f"may be written by others (mode {status.st_mode & 0o777:o})"
+            )
+            raise BuildError(
+                f"{path} {why}, so it is not used: it would run with your rights; "
+                "remove it, or name another place in XDG_CACHE_HOME"
+            )
 
 
 def _whole(path: Path) -> bool:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Sequence
-from hashlib import blake2b
 from pathlib import Path
 
 import casadi as ca
 
 from fmukit.compiling import compiler
-from fmukit.store import kept
+from fmukit.compiling.kept import kept
 
 FLAGS = ("-O1",)
 """The derivatives of an NLP are long straight code, on which -O2 may spend minutes and gigabytes for nothing."""
@@ -40,5 +39,4 @@ def file_name(name: str, platform: str) -> str:
 def library(functions: Sequence[ca.Function], name: str, platform: str) -> Path:
     """The library `name` of the functions for `platform`, from the user's cache or compiled now; raises BuildError."""
     text = code(functions)
-    key = blake2b("\n".join([text, compiler.identity(platform), *FLAGS]).encode(), digest_size=10).hexdigest()
-    return kept(f"library-{key}", file_name(name, platform), lambda: compiled(text, platform))
+    return kept("library", [text, *FLAGS], file_name(name, platform), lambda: compiled(text, platform), [platform])

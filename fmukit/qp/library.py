@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Mapping
-from hashlib import blake2b
 from pathlib import Path
 
-from fmukit import store
 from fmukit.compiling import compiler
+from fmukit.compiling.kept import kept
 
 _SHOWN = """#if defined(_WIN32)
 #define API __declspec(dllexport)
@@ -26,14 +25,8 @@ def compiled(symbol: str, sources: Mapping[str, str], units: tuple[str, ...]) ->
     def make() -> bytes:
         return _compile(symbol, sources, units, platform)
 
-    return store.kept(f"{symbol}-{_key(sources, platform)}", compiler.PLATFORMS[platform], make)
-
-
-def _key(sources: Mapping[str, str], platform: str) -> str:
-    digest = blake2b(compiler.identity(platform).encode() + _SHOWN.encode(), digest_size=8)
-    for name in sorted(sources):
-        digest.update(f"\n{name} {len(sources[name])}\n{sources[name]}".encode())
-    return digest.hexdigest()
+    parts = [_SHOWN, *(f"{name}\n{sources[name]}" for name in sorted(sources))]
+    return kept(symbol, parts, compiler.PLATFORMS[platform], make, [platform])
 
 
 def _compile(symbol: str, sources: Mapping[str, str], units: tuple[str, ...], platform: str) -> bytes:

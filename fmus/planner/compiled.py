@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from hashlib import blake2b
 from time import perf_counter
 from typing import Any
 
 import casadi as ca
 
 from fmukit.compiling import compiler, functions
+from fmukit.compiling.kept import kept
 from fmukit.errors import BuildError
 from fmukit.python_kernel import nlp_functions
-from fmukit.store import kept
 from fmus.planner.program import NonlinearProgram
 
 
@@ -45,16 +44,15 @@ def _load(program: NonlinearProgram, options: dict[str, Any]) -> ca.Function:
         code = functions.code(nlp_functions(program.nlp, program.derivatives))
         return functions.compiled(code, platform)
 
-    path = kept(f"plan-{_key(program, platform)}", functions.file_name("nlp", platform), make)
+    path = kept("plan", _sources(program), functions.file_name("nlp", platform), make, [platform])
     try:
         return ca.nlpsol("plan", "ipopt", str(path), options)
     except RuntimeError as error:
         raise BuildError(f"{path} cannot be loaded; may programs be run from that folder?") from error
 
 
-def _key(program: NonlinearProgram, platform: str) -> str:
-    """Of the program itself, so that other numbers anywhere in it mean another library."""
+def _sources(program: NonlinearProgram) -> list[str]:
+    """The program itself, so that other numbers anywhere in it mean another library."""
     text = ca.Function("nlp", program.nlp, ["x", "p"], ["f", "g"]).serialize()
-    text += "".join(function.serialize() for function in program.derivatives.values())
-    parts = [text, ca.CasadiMeta.version(), compiler.identity(platform), *functions.FLAGS]
-    return blake2b("\n".join(parts).encode(), digest_size=10).hexdigest()
+    derivatives = [function.serialize() for function in program.derivatives.values()]
+    return [text, *derivatives, ca.CasadiMeta.version(), *functions.FLAGS]

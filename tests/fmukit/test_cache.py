@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from time import time
@@ -10,6 +11,7 @@ from time import time
 import pytest
 
 from fmukit import files, store
+from fmukit.compiling.kept import kept
 from fmukit.errors import BuildError
 
 DATA = bytes(range(256)) * 16
@@ -103,3 +105,60 @@ def test_a_folder_that_cannot_be_written_is_told_before_the_work(root: Path) -> 
     (root / "thing-1").write_text("in the way")
     with pytest.raises(BuildError, match=r"^the cache folder .*thing-1 cannot be written .*XDG_CACHE_HOME$"):
         store.kept("thing-1", "thing.so", _refuse)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has rights of another kind")
+@pytest.mark.parametrize("shared", ["", "..", "../..", "thing.so.sum"])
+def test_what_others_may_write_is_refused(root: Path, shared: str) -> None:
+    path = store.kept("thing-1", "thing.so", lambda: DATA)
+    place = path.with_name(shared) if shared.endswith("sum") else (path / shared).resolve()
+    before = place.stat().st_mode
+    place.chmod(before | 0o002)
+    with pytest.raises(BuildError, match=r"may be written by others \(mode 7?[67][0-7][0-7]\), .* remove it, or name"):
+        store.kept("thing-1", "thing.so", _refuse)
+    place.chmod(before)
+    assert store.kept("thing-1", "thing.so", _refuse) == path
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has rights of another kind")
+def test_what_belongs_to_another_user_is_refused(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = store.kept("thing-1", "thing.so", lambda: DATA)
+    if os.geteuid():
+        monkeypatch.setattr(os, "geteuid", lambda: os.getuid() + 1)
+    else:
+        os.chown(path, 12345, -1)
+    with pytest.raises(BuildError, match="belongs to another user, so it is not used"):
+        store.kept("thing-1", "thing.so", _refuse)
+
+
+def test_the_own_group_may_write(root: Path) -> None:
+    """As with the umask 002 of systems that give every user a group."""
+    path = store.kept("thing-1", "thing.so", lambda: DATA)
+    path.chmod(0o664)
+    assert store.kept("thing-1", "thing.so", _refuse) == path
+
+
+def test_without_a_compiler_what_another_one_made_will_do(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def identity(name: str) -> None:
+        def one(_platform: str) -> str:
+            if not name:
+                raise BuildError("there is no compiler")
+            return name
+
+        monkeypatch.setattr("fmukit.compiling.compiler.identity", one)
+
+    identity("")
+    with pytest.raises(BuildError, match="there is no compiler"):
+        kept("thing", ["source"], "thing.so", _refuse)
+    for name in ("gcc", "clang"):
+        identity(name)
+        path = kept("thing", ["source"], "thing.so", lambda name=name: name.encode())
+        assert path.read_bytes() == name.encode()
+    os.utime(path.parent, (LONG_AGO, LONG_AGO))
+    identity("")
+    path = kept("thing", ["source"], "thing.so", _refuse)
+    assert path.read_bytes() == b"gcc", "the one used last"
+    path.write_bytes(b"half")
+    assert kept("thing", ["source"], "thing.so", _refuse).read_bytes() == b"clang"
+    with pytest.raises(BuildError, match="there is no compiler"):
+        kept("thing", ["other source"], "thing.so", _refuse)
