@@ -9,7 +9,7 @@ import casadi as ca
 from fmukit.kernel import Layout, Parts, block
 from fmus.estimator.attitude import weigh
 from fmus.estimator.correction import correct
-from fmus.estimator.navigation import BELIEF, UNIT, propagate
+from fmus.estimator.navigation import BELIEF, propagate
 from fmus.estimator.records import ASSUMED, ROW, VERDICT
 from fmus.estimator.updating import Estimate
 from fmus.estimator.wheels import roll
@@ -24,9 +24,12 @@ RUNNER = Layout(belief=BELIEF.size, checkpoint=BELIEF.size, verdict=VERDICT.size
 
 @block(belief=BELIEF.size, before=ROW, row=ROW, assumed=ASSUMED)
 def advance(belief: ca.SX, before: Parts, row: Parts, assumed: Parts) -> ca.SX:
-    """The belief one row later: moved by the mean reading of both ends, then told what the car's body says."""
+    """The belief one row later, then told what the car's body says.
+
+    It is moved by the mean rate of both ends and by the force of the later one, which is the mean in between.
+    """
     a, b = before["sensed"]["unit"], row["sensed"]["unit"]
-    mean = {name: 0.5 * (a[name] + b[name]) for name in UNIT.sizes}
+    mean = {"rate": 0.5 * (a["rate"] + b["rate"]), "force": b["force"]}
     return look(propagate(belief, mean, assumed["period"], assumed["process"]), row, assumed)
 
 

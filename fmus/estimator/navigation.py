@@ -26,7 +26,7 @@ error, and what a load makes wrong in the readings of roll and pitch: o [rad] an
 PACKED = STATE.size * (STATE.size + 1) // 2
 BELIEF = Layout(mean=STATE.size, covariance=PACKED)
 UNIT = Layout(rate=3, force=3)
-"""What the inertial unit reads: angular velocity [rad/s] and specific force [m/s2], body frame."""
+"""What the inertial unit reads: angular velocity now [rad/s], mean specific force since the last reading [m/s2]."""
 PROCESS = Layout(gyroscope=1, gyroscope_bias=1, accelerometer=1, accelerometer_bias=1, gps_error=1, gps_decay=1, lean=1)
 """Densities n^2 of the noises and walks of the unit, variance of c [m2], 1/tau [1/s], density of the walk of o."""
 

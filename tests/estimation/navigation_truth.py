@@ -68,7 +68,8 @@ DRIVES = {"weave": _weave, "town": _town}
 
 @cache
 def motion(drive: str = "weave", laps: int = 1) -> ca.Function:
-    """t -> velocity (3, world), attitude (3), body velocity, body rate, its derivative, specific force (3 each)."""
+    """t -> velocity (3, world), attitude (3), body velocity, body rate, its derivative, specific force, acceleration in
+    body axes (3 each)."""
     t = ca.SX.sym("t")
     d = lambda e: ca.jacobian(e, t)  # noqa: E731
     begin, push, turn = DRIVES[drive](laps)
@@ -82,8 +83,9 @@ def motion(drive: str = "weave", laps: int = 1) -> ca.Function:
     spin = ca.reshape(d(ca.vec(R)), 3, 3)
     W = R.T @ spin
     omega = ca.vertcat(W[2, 1], W[0, 2], W[1, 0])
-    force = R.T @ (d(velocity) + ca.vertcat(0, 0, G))
-    return ca.Function("motion", [t], [velocity, angles, R.T @ velocity, omega, d(omega), force])
+    acceleration = R.T @ d(velocity)
+    force = acceleration + R.T @ ca.vertcat(0, 0, G)
+    return ca.Function("motion", [t], [velocity, angles, R.T @ velocity, omega, d(omega), force, acceleration])
 
 
 def rotation_matrix(phi, theta, psi):
@@ -104,12 +106,27 @@ def truth(duration: float = 16.0, step: float = T, drive: str = "weave", laps: i
     inner = (times[:-1, None] + step * (nodes + 1) / 2).ravel()
     between = moves(inner[None, :])[0].full().reshape(3, -1, 5) @ weights * step / 2
     position = np.hstack([np.zeros((3, 1)), np.cumsum(between, axis=1)])
-    _, angles, velocity, omega, epsilon, force = (block.full() for block in moves(times[None, :]))
+    _, angles, velocity, omega, epsilon, force, acceleration = (block.full() for block in moves(times[None, :]))
     signals = {"time": times} | dict(zip(("truth.roll", "truth.pitch", "truth.yaw"), angles, strict=True))
     vectors = {"position": position, "velocity": velocity, "angular_rate": omega}
-    vectors |= {"angular_acceleration": epsilon, "specific_force": force}
+    vectors |= {"angular_acceleration": epsilon, "specific_force": force, "acceleration": acceleration}
     signals |= {f"truth.{n}.{a}": row for n, block in vectors.items() for a, row in zip("xyz", block, strict=True)}
     return signals | suspension(signals, TYRE)
+
+
+def straight(times: np.ndarray, command: np.ndarray, lag: float) -> dict[str, np.ndarray]:
+    """Signals by port name of a car that neither leans nor turns, whose speed (n,) follows `command` (n,), held from
+    sample to sample, with a `lag` [s], so that its acceleration jumps; in closed form."""
+    step, speed, way = times[1] - times[0], [command[0]], [0.0]
+    decay = np.exp(-step / lag)
+    for held in command[:-1]:
+        way.append(way[-1] + held * step + (speed[-1] - held) * lag * (1 - decay))
+        speed.append(held + (speed[-1] - held) * decay)
+    rate, level = (command - speed) / lag, np.full(len(times), G)
+    signals = {"time": times, "truth.specific_force.z": level, "truth.position.x": np.array(way)}
+    signals |= {"truth.velocity.x": np.array(speed), "truth.acceleration.x": rate, "truth.specific_force.x": rate}
+    names = [f"truth.{n}.{a}" for n in ("position", "velocity") for a in "xyz"]
+    return dict.fromkeys((*names, "truth.yaw", "truth.roll", "truth.pitch"), 0 * times) | signals
 
 
 def suspension(

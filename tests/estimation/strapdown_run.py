@@ -27,7 +27,7 @@ def reference(inertial, held, times, imu, gps):
     found = np.empty((len(times), 4))
     for k in range(len(times)):
         if k:
-            filter_.propagate((rate[k] + rate[k - 1]) / 2, (force[k] + force[k - 1]) / 2, times[k] - times[k - 1])
+            filter_.propagate((rate[k] + rate[k - 1]) / 2, force[k], times[k] - times[k - 1])
         if k in fixes:
             position, velocity, heading = fixes[k]
             filter_.see_heading(heading)
@@ -75,7 +75,7 @@ def reference_of_late_fixes(inertial, held, times, imu, gps, least_speed=3.0):
 def _carry(filter_, rate, force, begin, end, step, *, full):
     """Move the filter, or only its mean, through the samples from `begin` to `end`; returns where it is."""
     for k in range(begin + 1, end + 1):
-        mean = (rate[k] + rate[k - 1]) / 2, (force[k] + force[k - 1]) / 2
+        mean = (rate[k] + rate[k - 1]) / 2, force[k]
         if full:
             filter_.propagate(*mean, step)
         else:

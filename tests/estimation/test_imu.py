@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from navigation_truth import T, motion, rotation_matrix, run, truth
+from navigation_truth import T, motion, rotation_matrix, run, straight, truth
 
 from fmukit.direct import Direct
 from fmus.sensors.imu.profiles import PROFILES, profile
@@ -55,21 +55,67 @@ def test_resolution_and_range(imu):
 
 
 def test_without_errors_it_measures_the_motion_of_its_own_place(imu):
+    """The mean of the specific force over the period before, by quadrature, and the rate at its end."""
     lever, h = np.array([0.7, -0.4, 0.3]), 1e-4
     place = {f"imu.position.{axis}": value for axis, value in zip("xyz", lever, strict=True)}
     seen = run(imu[0], truth(), QUIET | place | {"accelerometer.range": 1e3}, kernel=imu[1])
+    nodes, weights = np.polynomial.legendre.leggauss(4)
 
     def velocity_of_place(t):
         velocity, angles, _, omega, *_ = (block.full().ravel() for block in motion()(t))
         R = rotation_matrix(*angles).full()
         return velocity + R @ np.cross(omega, lever), R
 
+    def force_at(t):
+        acceleration = (velocity_of_place(t + h)[0] - velocity_of_place(t - h)[0]) / (2 * h)
+        return velocity_of_place(t)[1].T @ (acceleration + np.array([0, 0, 9.81]))
+
     for k in (520, 700, 1130, 2400):
         t = k * T
-        acceleration = (velocity_of_place(t + h)[0] - velocity_of_place(t - h)[0]) / (2 * h)
-        force = velocity_of_place(t)[1].T @ (acceleration + np.array([0, 0, 9.81]))
-        assert np.allclose([seen[f"accelerometer.{axis}"][k] for axis in "xyz"], force, atol=2e-6)
+        mean = sum(w / 2 * force_at(t - T * (1 - node) / 2) for node, w in zip(nodes, weights, strict=True))
+        assert np.allclose([seen[f"accelerometer.{axis}"][k] for axis in "xyz"], mean, atol=1e-4)
         assert np.allclose([seen[f"gyroscope.{axis}"][k] for axis in "xyz"], motion()(t)[3].full().ravel(), atol=1e-12)
+
+
+def test_readings_add_up_to_the_change_of_speed_where_the_force_jumps(imu):
+    """Speed follows steps every 20 ms with a lag of 0.1 s, so its rate jumps; readings before or after the jumps would
+    be off by T/2 over the lag, 2.5 %."""
+    time = np.arange(401) * T
+    command = 25 - 8 * np.floor(time / 0.02 + 1e-6) * 0.02
+    signals = straight(time, command, lag=0.1)
+    speed, rate = signals["truth.velocity.x"], signals["truth.acceleration.x"]
+    seen = run(imu[0], signals, QUIET, kernel=imu[1])["accelerometer.x"]
+    assert np.ptp(np.diff(speed)[200:] / T) > 1
+    assert np.allclose(np.cumsum(seen[1:]) * T, speed[1:] - speed[0], atol=1e-9)
+    assert abs(np.sum(rate[1:] + rate[:-1]) * T / 2 - (speed[-1] - speed[0])) > 0.02 * abs(speed[-1] - speed[0])
+
+
+@pytest.mark.parametrize("every", [2, 4])
+def test_truth_that_a_host_holds_is_averaged_over_the_time_it_was_held(imu, every):
+    """Sums of the readings stay right, and no reading is that of a standing car."""
+    index = np.arange(len(truth()["time"])) // every * every
+    held = {name: values[index] for name, values in truth().items()} | {"time": truth()["time"]}
+    seen, fine = (run(imu[0], signals, QUIET, kernel=imu[1])["accelerometer.x"] for signals in (held, truth()))
+    assert np.max(np.abs(seen - fine)) < 0.3
+    assert np.sum(seen) * T == pytest.approx(np.sum(fine) * T, abs=0.01)
+
+
+def test_a_car_that_drives_off_after_a_rest_is_not_averaged_over_the_rest(imu):
+    speed = np.concatenate([np.zeros(100), 3.0 * T * np.arange(1, 101)])
+    rate = np.concatenate([np.zeros(100), np.full(100, 3.0)])
+    signals = {"time": np.arange(200) * T, "truth.velocity.x": speed}
+    signals |= {"truth.acceleration.x": rate, "truth.specific_force.x": rate}
+    seen = run(imu[0], signals, QUIET, kernel=imu[1])["accelerometer.x"]
+    assert np.allclose(seen, rate, atol=1e-9)
+
+
+def test_without_velocities_it_measures_the_mean_of_the_forces_it_is_told(imu):
+    """A host that wires forces and rates only."""
+    left = ("truth.velocity.", "truth.acceleration.")
+    wired = {name: values for name, values in truth().items() if not name.startswith(left)}
+    seen, fine = (run(imu[0], signals, QUIET, kernel=imu[1]) for signals in (wired, truth()))
+    for axis in "xyz":
+        assert np.allclose(seen[f"accelerometer.{axis}"], fine[f"accelerometer.{axis}"], atol=1e-3)
 
 
 def test_profiles_are_complete_and_named(imu):

@@ -3,7 +3,7 @@
 import casadi as ca
 import numpy as np
 import pytest
-from navigation_truth import TYRE, T, navigate, navigate_at, run, suspension, truth
+from navigation_truth import TYRE, T, navigate, navigate_at, run, straight, suspension, truth
 
 from fmukit.direct import Direct
 from fmukit.kernel import block
@@ -242,6 +242,36 @@ def test_periods_that_do_not_divide_each_other_stay_consistent(chain, periods):
 
 def at_periods(chain, periods, signals):
     return [navigate_at(periods, seed, *chain, signals=signals) for seed in range(2)]
+
+
+def hard_braking(chain, seeds, left_out=()):
+    """NIS of velocity and position, and fixes refused, while a car on a straight brakes with 8 m/s2 from 30 m/s.
+
+    Its command comes every 20 ms and its speed lags by 0.1 s: its acceleration jumps by 1.6 m/s2 each time.
+    """
+    times = np.arange(2001) * T
+    since = np.floor(times / 0.02 + 1e-6) * 0.02
+    signals = straight(times, 30 - 8 * np.clip(since - 5, 0, 3), lag=0.1)
+    signals = {name: 0 * values if name in left_out else values for name, values in signals.items()}
+    settings = {"filter": {"design.tyre_stiffness": 1e12}}
+    runs = [navigate(seed, *chain, settings=settings, signals=signals) for seed in seeds]
+    late = [k for k in new_fixes(runs[0]) if 5.2 < times[k] < 8.2]
+    nis = [np.concatenate([y[f"nis.{name}"][late] for y in runs]) for name in ("velocity", "position")]
+    return nis, max(y["fix.refused_count"][-1] for y in runs)
+
+
+def test_innovations_are_as_believed_while_the_acceleration_jumps(chain):
+    nis, refused = hard_braking(chain, range(SEEDS))
+    assert refused == 0
+    for values in nis:
+        assert len(values) >= 300
+        assert abs(values.mean() - 2) < 3 * np.sqrt(2 * 2 / len(values))
+
+
+def test_readings_of_instants_would_miss_a_fortieth_of_the_change_of_speed(chain):
+    """Without the velocities a unit averages the forces at both ends of its period: T/2 over the lag is lost."""
+    nis, _ = hard_braking(chain, range(2), ("truth.velocity.x", "truth.acceleration.x"))
+    assert nis[0].mean() > 4
 
 
 def test_rates_and_sideslip(runs):

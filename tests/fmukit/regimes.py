@@ -85,6 +85,8 @@ def _planar_plant(t: float) -> Values:
 
 def _imu(t: float) -> Values:
     return {
+        **_group("truth.velocity", AXES, SPEED, 0.1, 0.0),
+        **_group("truth.acceleration", AXES, 0.5, SPEED * RATE, 0.0),
         **_group("truth.specific_force", AXES, 0.5, SPEED * RATE, GRAVITY),
         **_group("truth.angular_rate", AXES, 0.02, -0.01, RATE),
         **_group("truth.angular_acceleration", AXES, 0.1, 0.1, 0.3),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -79,16 +79,18 @@ def test_braking_grows_along_a_chain_without_a_remedy(drive: Drive) -> None:
     assert metrics["car2.speed_ratio_max"] > 1.05
 
 
-def response(drive: Drive, cars: int, *assignments: str) -> dict[str, float]:
+def response(drive: Drive, cars: int, *assignments: str, seeds: Sequence[int] = (0,)) -> dict[str, float]:
     """All ratios of a braking, less the noise and with no message lost: these alone make several percent of errors
-    that are small or independent."""
-    disturbed, calm = (
-        errors_while_braking(
-            drive(*assignments, *EVERYBODY_HEARS[assignments[-2:]], manoeuvre=manoeuvre, stop=BRAKING.end)
+    that are small or independent. What noise leaves, as it depends on the speed, the mean over `seeds` takes away."""
+    hear = EVERYBODY_HEARS[assignments[-2:]]
+    gaps = []
+    for seed in seeds:
+        disturbed, calm = (
+            errors_while_braking(drive(*assignments, *hear, manoeuvre=manoeuvre, stop=BRAKING.end, seed=seed))
+            for manoeuvre in ("braking", "quiet")
         )
-        for manoeuvre in ("braking", "quiet")
-    )
-    found = ratio_metrics({k: disturbed[k] - calm[k] for k in disturbed})
+        gaps.append({k: disturbed[k] - calm[k] for k in disturbed})
+    found = ratio_metrics({k: np.mean([gap[k] for gap in gaps], axis=0) for k in gaps[0]})
     return ratios({name: metric.value for name, metric in found.items()}, cars)
 
 
@@ -99,20 +101,12 @@ def errors_while_braking(finished: Finished) -> dict[int, np.ndarray]:
     return {k: during(finished.results, e, BRAKING) for k, e in errors.items()}
 
 
-_UNLIKE = "filters refuse fixes while kinematic vehicles brake, not at rest: the noise of the two runs does not cancel"
-
-
-@pytest.mark.parametrize(
-    "remedy",
-    [
-        pytest.param(STAR, id="star", marks=pytest.mark.xfail(reason=_UNLIKE, strict=True)),
-        pytest.param(TOLD, id="the head's speed"),
-    ],
-)
+@pytest.mark.parametrize("remedy", [STAR, TOLD], ids=["star", "the head's speed"])
 def test_no_ratio_exceeds_105_percent_in_a_star_or_when_all_know_the_heads_speed(
     drive: Drive, remedy: tuple[str, ...]
 ) -> None:
-    assert max(response(drive, 3, *LIGHTEST, *remedy).values()) <= 1.05
+    seeds = range(3) if remedy == STAR else (0,)
+    assert max(response(drive, 3, *LIGHTEST, *remedy, seeds=seeds).values()) <= 1.05
     metrics = values(drive(*LIGHTEST, *remedy, manoeuvre="braking", stop=BRAKING.end))
     assert max(ratios(metrics, 3).values()) <= PRINTED
 

@@ -9,6 +9,8 @@ from fmukit.interface import AXES, Variable, group, input_, load_parameters, out
 
 def _truth() -> list[Variable]:
     return [
+        *group(input_, "truth.velocity", AXES, "m/s", "true velocity of O1, body frame"),
+        *group(input_, "truth.acceleration", AXES, "m/s2", "true acceleration of O1 against the world, body frame"),
         *group(input_, "truth.specific_force", AXES, "m/s2", "true specific force at O1, body frame"),
         *group(input_, "truth.angular_rate", AXES, "rad/s", "true angular velocity, body frame"),
         *group(input_, "truth.angular_acceleration", AXES, "rad/s2", "true angular acceleration, body frame"),
@@ -17,7 +19,13 @@ def _truth() -> list[Variable]:
 
 def _readings() -> list[Variable]:
     return [
-        *group(output, "accelerometer", AXES, "m/s2", "measured specific force at the sensor, body frame"),
+        *group(
+            output,
+            "accelerometer",
+            AXES,
+            "m/s2",
+            "measured specific force at the sensor, body frame: mean over a period",
+        ),
         *group(output, "gyroscope", AXES, "rad/s", "measured angular velocity, body frame"),
     ]
 

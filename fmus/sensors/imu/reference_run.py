@@ -6,16 +6,26 @@ from math import cos, pi, sin
 
 from fmukit.reference_run import ReferenceRun, rise
 
-_GRAVITY, _BRAKING, _YAW_RATE, _PULSATION = 9.81, -3.0, 0.3, 2.0 * pi * 0.5
+_GRAVITY, _BRAKING, _SPEED, _YAW_RATE, _PULSATION = 9.81, 3.0, 25.0, 0.3, 2.0 * pi * 0.5
+_BEGIN, _RISE = 1.0, 0.5
+
+
+def _speed(t: float) -> float:
+    """Speed [m/s] at time t [s]: the integral of -_BRAKING rise(t, _BEGIN, _RISE)."""
+    xi = min(max((t - _BEGIN) / _RISE, 0.0), 1.0)
+    return _SPEED - _BRAKING * (_RISE * xi**4 * (2.5 + xi * (xi - 3.0)) + max(t - _BEGIN - _RISE, 0.0))
 
 
 def _inputs(t: float) -> dict[str, float]:
-    """Level motion: specific force [m/s2], yaw rate [rad/s] and yaw acceleration [rad/s2] at time t [s]."""
-    since = max(t - 1.0, 0.0)
+    """Level motion without sideslip at time t [s]."""
+    since, speed, braking = max(t - _BEGIN, 0.0), _speed(t), -_BRAKING * rise(t, _BEGIN, _RISE)
+    rate = 0.5 * _YAW_RATE * (1.0 - cos(_PULSATION * since))
+    force = {"x": braking, "y": speed * rate}
     return {
-        "truth.specific_force.x": _BRAKING * rise(t, 1.0, 0.5),
-        "truth.specific_force.z": _GRAVITY,
-        "truth.angular_rate.z": 0.5 * _YAW_RATE * (1.0 - cos(_PULSATION * since)),
+        **{f"truth.acceleration.{axis}": value for axis, value in force.items()},
+        **{f"truth.specific_force.{axis}": value for axis, value in (force | {"z": _GRAVITY}).items()},
+        "truth.velocity.x": speed,
+        "truth.angular_rate.z": rate,
         "truth.angular_acceleration.z": 0.5 * _YAW_RATE * _PULSATION * sin(_PULSATION * since),
     }
 
