@@ -72,13 +72,7 @@ def _least(name: str) -> float | None:
 
 def _inputs() -> list[Variable]:
     return [
-        *group(
-            input_,
-            "accelerometer",
-            AXES,
-            "m/s2",
-            "measured specific force at the sensor, body frame: mean over a period",
-        ),
+        *group(input_, "accelerometer", AXES, "m/s2", "measured mean specific force at the sensor, body frame"),
         *group(input_, "gyroscope", AXES, "rad/s", "measured angular velocity, body frame"),
         *gps_bus(input_),
         *group(input_, "suspension_travel", WHEELS, "m", "suspension travel, bump > 0"),

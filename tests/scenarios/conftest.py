@@ -21,7 +21,7 @@ from cosim.scenario.discovery import load
 
 @pytest.fixture(scope="session")
 def scenario_run(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Run]:
-    """scenario_run(name, "instance.variable=value", ..., seed=0, status="ok"): a run with that end; each is made once."""
+    """scenario_run(name, "instance.variable=value", ..., seed=0, status="ok"): a run with that end, made once."""
 
     @cache
     def made(name: str, *assignments: str, seed: int = 0, status: str = "ok") -> Finished:

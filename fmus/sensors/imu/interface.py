@@ -19,13 +19,7 @@ def _truth() -> list[Variable]:
 
 def _readings() -> list[Variable]:
     return [
-        *group(
-            output,
-            "accelerometer",
-            AXES,
-            "m/s2",
-            "measured specific force at the sensor, body frame: mean over a period",
-        ),
+        *group(output, "accelerometer", AXES, "m/s2", "measured mean specific force at the sensor, body frame"),
         *group(output, "gyroscope", AXES, "rad/s", "measured angular velocity, body frame"),
     ]
 
