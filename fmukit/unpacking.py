@@ -16,9 +16,11 @@ MAX_ENTRIES = 20_000
 MAX_BYTES = 1 << 30
 MAX_XML = 64 << 20
 MAX_RATIO = 200  # of entries larger than _SMALL: text and code stay below 20, files of zeros reach 1000
-_SMALL = 16 << 20
+_SMALL, _MIDDLING = 16 << 20, 64 << 20
 _METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # the others are unpacked without a limit on their output
 _BLOCK = 1 << 20
+_RESERVED = re.compile(r"(con|prn|aux|nul|conin\$|conout\$|(com|lpt)[1-9¹²³]) *(\..*)?", re.IGNORECASE | re.DOTALL)
+_FORBIDDEN = re.compile(r'[<>"|?*\x00-\x1f]')
 _ENCODING = re.compile(rb"""^\s*<\?xml[^>]*?encoding\s*=\s*["']([^"']*)["']""")
 
 
@@ -80,8 +82,11 @@ def oversize(entries: Sequence[zipfile.ZipInfo]) -> Iterator[str]:
     """Too many entries, too many bytes or a compression no honest file reaches."""
     if len(entries) > MAX_ENTRIES:
         yield f"has {len(entries)} entries; at most {MAX_ENTRIES} are accepted"
-    if sum(entry.file_size for entry in entries) > MAX_BYTES:
+    unpacked, packed = (sum(getattr(entry, size) for entry in entries) for size in ("file_size", "compress_size"))
+    if unpacked > MAX_BYTES:
         yield f"unpacks to more than {MAX_BYTES >> 20} MiB"
+    elif unpacked > _MIDDLING and unpacked > MAX_RATIO * packed:
+        yield f"has {unpacked} bytes packed into {packed}"
     for entry in entries:
         if entry.file_size > _SMALL and entry.file_size > MAX_RATIO * entry.compress_size:
             yield f"has {entry.filename!r}, which is {entry.file_size} bytes packed into {entry.compress_size}"
@@ -98,6 +103,15 @@ def escapes(name: str) -> bool:
     """Whether unpacking the entry could write outside the folder, on any system."""
     path = PurePosixPath(name)
     return path.is_absolute() or ".." in path.parts or "\\" in name or ":" in name
+
+
+def reserved(name: str) -> bool:
+    """Whether Windows cannot have a file of that name, or gives it another one."""
+    return any(_RESERVED.fullmatch(part) or part[-1] in ". " or _FORBIDDEN.search(part) for part in _parts(name))
+
+
+def _parts(name: str) -> Iterator[str]:
+    yield from (part for part in name.split("/") if part not in ("", ".", ".."))
 
 
 def is_special(entry: zipfile.ZipInfo) -> bool:

@@ -156,6 +156,18 @@ def _sources(package: Package) -> Iterator[str]:
 
 
 @ENTRIES.add(
+    "A17",
+    "Entries have names that Windows can use",
+    "good practice",
+    'Avoid CON, PRN, AUX, NUL, COM1 to COM9, LPT1 to LPT9, < > " | ? *, and dots or blanks at the end of a name.',
+)
+def _windows_names(package: Package) -> Iterator[str]:
+    for name in sorted(package.names):
+        if unpacking.reserved(name):
+            yield f"Windows has no file or folder {name!r}"
+
+
+@ENTRIES.add(
     "A14",
     "A Python FMU carries the script it names",
     "good practice",

@@ -3,19 +3,42 @@
 from __future__ import annotations
 
 import struct
+from dataclasses import dataclass
 
-_PE_MACHINE = {0x14C: "win32", 0x8664: "win64"}
+USUAL = {"win32": "x86", "win64": "x86_64", "linux32": "x86", "linux64": "x86_64"}
+"""The processors that the names of platforms stand for; darwin64 is either of two."""
+_PE = {0x14C: ("win32", "x86"), 0x8664: ("win64", "x86_64"), 0x1C4: ("win32", "arm"), 0xAA64: ("win64", "aarch64")}
 _ELF_CLASS = {1: "linux32", 2: "linux64"}
-_MACH_O = {b"\xcf\xfa\xed\xfe", b"\xca\xfe\xba\xbe", b"\xca\xfe\xba\xbf"}  # 64 bit, universal, universal of 64 bit
+_ELF_ORDER = {1: "<", 2: ">"}
+_ELF = {3: "x86", 62: "x86_64", 40: "arm", 183: "aarch64", 8: "mips", 20: "powerpc", 21: "powerpc64", 243: "riscv"}
+_MACH_O = {0x1000007: "x86_64", 0x100000C: "aarch64"}
+_UNIVERSAL = {b"\xca\xfe\xba\xbe", b"\xca\xfe\xba\xbf"}  # of 32 and of 64 bit offsets
 
 
-def is_library(head: bytes, platform: str) -> bool:
-    """Whether `head`, the first bytes of a file, starts a library for `platform` ("linux64", ...)."""
+@dataclass(frozen=True, slots=True)
+class Library:
+    """The `platform` whose loader takes it ("linux64", ...; "" if it is no library) and the `processor` it is for."""
+
+    platform: str = ""
+    processor: str = ""
+
+
+def library(head: bytes) -> Library:
+    """What `head`, the first bytes of a file, says it is."""
     if head.startswith(b"\x7fELF"):
-        return len(head) > 4 and _ELF_CLASS.get(head[4]) == platform
+        return _elf(head)
     if head.startswith(b"MZ"):
-        return _PE_MACHINE.get(_machine(head), "") == platform
-    return head[:4] in _MACH_O and platform == "darwin64"
+        return Library(*_PE.get(_machine(head), ("", "")))
+    if head[:4] == b"\xcf\xfa\xed\xfe" and len(head) >= 8:
+        return Library("darwin64", _MACH_O.get(struct.unpack_from("<I", head, 4)[0], "another processor"))
+    return Library("darwin64", "") if head[:4] in _UNIVERSAL else Library()
+
+
+def _elf(head: bytes) -> Library:
+    if len(head) < 20 or head[4] not in _ELF_CLASS or head[5] not in _ELF_ORDER:
+        return Library()
+    (machine,) = struct.unpack_from(f"{_ELF_ORDER[head[5]]}H", head, 18)
+    return Library(_ELF_CLASS[head[4]], _ELF.get(machine, f"processor {machine}"))
 
 
 def _machine(head: bytes) -> int:

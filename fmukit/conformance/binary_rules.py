@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import PurePosixPath
 
 from fmukit.conformance.archive_rules import contents
-from fmukit.conformance.binary import is_library, missing
+from fmukit.conformance.binary import USUAL, library, missing
 from fmukit.conformance.package import Package
 from fmukit.conformance.rule import NotApplicable, Rules
 
@@ -51,10 +51,34 @@ def _library_name(package: Package) -> Iterator[str]:
 def _library_format(package: Package) -> Iterator[str]:
     if package.damage:
         raise NotApplicable("the archive is damaged")
+    for platform, name in _named(package):
+        if package.size(name) == 0:
+            yield f"{name} is empty"
+        elif (head := package.head(name)) and library(head).platform != platform:
+            yield f"{name} is not a {platform} library"
+
+
+@RULES.add(
+    "A16",
+    "Libraries are made for the processor that the name of their folder stands for",
+    "good practice",
+    "Compile for x86 (win32, linux32) or x86_64 (win64, linux64): tools take these names for nothing else.",
+)
+def _library_processor(package: Package) -> Iterator[str]:
+    if package.damage:
+        raise NotApplicable("the archive is damaged")
+    for platform, name in _named(package):
+        found = library(package.head(name))
+        if found.platform == platform and found.processor != USUAL.get(platform, found.processor):
+            yield f"{name} is made for {found.processor}"
+
+
+def _named(package: Package) -> Iterator[tuple[str, str]]:
+    """Each platform and its library, as far as they are there."""
     for platform, names in _libraries(package).items():
         name = f"binaries/{platform}/{package.identifier}{EXTENSIONS[platform]}"
-        if name in names and (head := package.head(name)) and not is_library(head, platform):
-            yield f"{name} is not a {platform} library"
+        if name in names:
+            yield platform, name
 
 
 @RULES.add(

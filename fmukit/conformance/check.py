@@ -38,4 +38,9 @@ def _run(package: Package, groups: str, others: Sequence[Path | str]) -> list[Fi
 
 def holds(findings: Sequence[Finding], *, strict: bool = False) -> bool:
     """Whether the FMU violates no rule of the standard; `strict`: nor any that is advice."""
-    return not any(finding.is_broken("violation") or (strict and finding.is_broken("advice")) for finding in findings)
+    return not any(finding.fails(strict=strict) for finding in findings)
+
+
+def decided(findings: Sequence[Finding]) -> bool:
+    """Whether it is known of every rule if it holds."""
+    return all(finding.status != "undecided" for finding in findings)

@@ -1,4 +1,7 @@
-"""`fmus check`: is an FMU sound? Exit status 0 only if no file violates a rule of the standard."""
+"""`fmus check`: is an FMU sound? Exit status 0 only if no file violates a rule of the standard.
+
+1 says that one does, 2 that the arguments are unusable, 3 that nothing was violated but not every rule was decided.
+"""
 
 from __future__ import annotations
 
@@ -12,11 +15,12 @@ from rich.console import Console
 from rich.markup import escape
 
 from fmukit.conformance import junit
-from fmukit.conformance.check import ALL, check, holds
+from fmukit.conformance.check import ALL, check, decided, holds
 from fmukit.conformance.report import records, table
 from fmukit.conformance.rule import GROUPS, Finding
 from fmukit.errors import UserError, because
 
+_UNDECIDED = 3
 _HELP = "Only these groups: " + ", ".join(f"{letter} {name}" for letter, name in GROUPS.items()) + "."
 
 
@@ -42,7 +46,13 @@ def check_files(
         print(json.dumps([record for file, findings in found for record in records(file, findings)], indent=2))
     if report is not None:
         _write(report, found, strict)
-    raise typer.Exit(0 if all(holds(findings, strict=strict) for _, findings in found) else 1)
+    raise typer.Exit(_status([findings for _, findings in found], strict))
+
+
+def _status(found: Sequence[Sequence[Finding]], strict: bool) -> int:
+    if not all(holds(findings, strict=strict) for findings in found):
+        return 1
+    return 0 if all(map(decided, found)) else _UNDECIDED
 
 
 def _write(report: Path, found: Sequence[tuple[Path, Sequence[Finding]]], strict: bool) -> None:

@@ -12,6 +12,8 @@ from time import monotonic
 
 from fmukit.conformance.bench import Bench
 from fmukit.conformance.rule import NotApplicable, Rules
+from fmukit.guard.guarded import MARK
+from fmukit.guard.keeper import processes
 
 RULES: Rules[Bench] = Rules()
 WARM_UP, CYCLES = 25, 60
@@ -124,3 +126,24 @@ def module_path(bench: Bench) -> Iterator[str]:
 )
 def files(bench: Bench) -> Iterator[str]:
     yield from _none(bench, "files", "more files in the folders for temporary files, for work or of the FMU")
+
+
+@RULES.add(
+    "B19",
+    "Processes end",
+    "good practice",
+    "end the processes that an instance starts no later than in fmi2FreeInstance, and wait for them",
+)
+def left_processes(bench: Bench) -> Iterator[str]:
+    _growth(bench, "files")  # after many lives
+    left = _others()
+    if left:
+        yield f"after all instances are freed, {len(left)} processes that the FMU started still run"
+
+
+def _others() -> list[processes.Process]:
+    """The processes under the same guard besides this one and its keeper, or below this one if there is no guard."""
+    mark = os.environ.get(MARK)
+    if mark is None:
+        return processes.below(os.getpid(), processes.everything())
+    return [p for p in processes.bearing(f"{MARK}={mark}") if p.pid not in (os.getpid(), os.getppid())]

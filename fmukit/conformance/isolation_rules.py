@@ -103,6 +103,19 @@ def same_names(bench: Bench) -> Iterator[str]:
         yield f"{words} its numbers differ: {changed}"
 
 
+@RULES.add(
+    "I4",
+    "It writes on no descriptors of the host",
+    "good practice",
+    "write only on descriptors the FMU has opened itself, and to the logger of the host",
+)
+def foreign_descriptors(_bench: Bench) -> Iterator[str]:
+    yield from ()  # `running` judges this rule, since no process in which the FMU runs can be trusted with it
+
+
+CHANNEL = foreign_descriptors
+
+
 def requirements(bench: Bench) -> list[str]:
     """The packages a Python FMU asks the host for."""
     path = bench.folder / "resources" / "requirements.txt"

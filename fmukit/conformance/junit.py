@@ -16,6 +16,8 @@ Result = Error | Failure | Skipped
 def write(file: Path, found: Iterable[tuple[Path, Sequence[Finding]]], *, strict: bool) -> None:
     """One suite per FMU, one case per rule; advice that is not followed is a failure only when `strict`.
 
+    What is undecided is an error.
+
     Raises OSError.
     """
     report = JUnitXml("fmus check")
@@ -31,7 +33,9 @@ def _case(path: Path, finding: Finding, strict: bool) -> TestCase:
     rule = finding.rule
     case = TestCase(f"{rule.id} {rule.title}", f"{printable(path.stem)}.{rule.group}")
     text = "\n".join(said(finding))
-    if finding.is_broken("violation") or (strict and finding.is_broken("advice")):
+    if finding.status == "undecided":
+        case.result = [Error(printable(" ".join(finding.seen)), "undecided")]
+    elif finding.fails(strict=strict):
         failure = Failure(rule.remedy, rule.severity)
         failure.text = text
         case.result = [failure]

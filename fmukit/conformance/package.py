@@ -113,6 +113,10 @@ class Package:
         except Exception:  # zipfile raises many kinds, see fmukit.unpacking
             return b""
 
+    def size(self, name: str) -> int:
+        """How many bytes an entry says it unpacks to; 0 if there is none of that name."""
+        return next((entry.file_size for entry in self.entries if entry.filename == name), 0)
+
     def unpack(self, folder: Path) -> None:
         """Unpack into the empty or new `folder`; raises ArchiveError on anything suspicious."""
         unpacking.unpack(self.path, folder)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import math
 from collections.abc import Iterator
 from dataclasses import replace
@@ -16,6 +17,7 @@ from fmukit.conformance.trying import first, limits
 from fmukit.conformance.variable import ScalarVariable
 
 RULES: Rules[Bench] = Rules()
+_TERMINATED = 3
 _ORDER = (
     ("ExitInitializationMode", "instantiated"),
     ("Terminate", "instantiated"),
@@ -116,6 +118,37 @@ def wrong_guid(bench: Bench) -> Iterator[str]:
     if instance.component:
         yield f"fmi2Instantiate returns an instance for the GUID {wrong}"
         instance.free()
+
+
+@RULES.add(
+    "L16",
+    "After a discarded step the FMU says whether it has ended the simulation",
+    "4.2.3",
+    "let fmi2GetBooleanStatus(fmi2Terminated) answer fmi2OK with true or false, or fmi2Discard if it cannot tell",
+)
+def word_after_discard(bench: Bench) -> Iterator[str]:
+    instance = bench.lead("stepping")
+    time, status = bench.experiment.start + 5 * bench.experiment.step, host.OK
+    for size in (0.0, -bench.experiment.step, math.nan):
+        status = max(status, instance.step(time, size))
+        if status > host.WARNING:
+            break
+    if status == host.FATAL:
+        raise NotApplicable("an impossible step is answered with fatal")
+    if status == host.DISCARD:
+        yield from _terminated(instance)
+    instance.free()
+    if status != host.DISCARD:
+        raise NotApplicable("it discards no step")
+
+
+def _terminated(instance: host.RawInstance) -> Iterator[str]:
+    value = ctypes.c_int(-1)
+    status = instance.call("GetBooleanStatus", ctypes.c_int(_TERMINATED), ctypes.byref(value))
+    if status not in (host.OK, host.WARNING, host.DISCARD):
+        yield f"fmi2GetBooleanStatus(fmi2Terminated) answers {host.word(status)} after a step that was discarded"
+    elif status != host.DISCARD and value.value not in (0, 1):
+        yield f"fmi2GetBooleanStatus(fmi2Terminated) gives {value.value}, which is neither true nor false"
 
 
 def _get(reference: int, instance: host.RawInstance) -> int:

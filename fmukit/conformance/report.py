@@ -14,12 +14,16 @@ from rich.text import Text
 from fmukit.conformance.rule import Finding, Rule, Severity
 
 _SAID: dict[Severity, str] = {"violation": "violated", "advice": "advised"}
-_STYLE = {"pass": "green", "violation": "bold red", "advice": "yellow", "skip": "dim"}
+_STYLE = {"pass": "green", "violation": "bold red", "advice": "yellow", "undecided": "magenta", "skip": "dim"}
 
 
 def table(path: Path, findings: Sequence[Finding], *, everything: bool = False) -> Group:
-    """What does not hold, violations first: what was seen (-) and the remedy (>). The rest only if `everything`."""
+    """What does not hold, violations first: what was seen (-) and the remedy (>); then what is undecided and why.
+
+    The rest only if `everything`.
+    """
     broken = [f for kind in _SAID for f in findings if f.is_broken(kind)]
+    broken += [f for f in findings if f.status == "undecided"]
     rest = [f for f in findings if f not in broken]
     shown = [*broken, *rest] if everything else broken
     grid = Table(box=None, pad_edge=False)
@@ -40,14 +44,16 @@ def summary(findings: Sequence[Finding]) -> str:
     for severity, participle in _SAID.items():
         ids = [finding.rule.id for finding in findings if finding.is_broken(severity)]
         words += [f"{len(ids)} {participle} ({', '.join(ids)})"] if ids else []
+    undecided = [finding.rule.id for finding in findings if finding.status == "undecided"]
+    words += [f"{len(undecided)} undecided ({', '.join(undecided)})"] if undecided else []
     return ", ".join(words)
 
 
 def sentences(path: Path, findings: Iterable[Finding], *, strict: bool) -> str:
-    """The violations as plain text, for an assertion, `strict`: and the advice; "" if there are none."""
+    """The violations and what is undecided as plain text, for an assertion, `strict`: and the advice; or ""."""
     lines = []
     for finding in findings:
-        if finding.is_broken("violation") or (strict and finding.is_broken("advice")):
+        if finding.fails(strict=strict) or finding.status == "undecided":
             lines += [
                 f"{path}: {finding.rule.id} {finding.rule.title} (section {_section(finding.rule)})",
                 *said(finding),
@@ -56,8 +62,9 @@ def sentences(path: Path, findings: Iterable[Finding], *, strict: bool) -> str:
 
 
 def said(finding: Finding) -> list[str]:
-    """What was seen of a rule that does not hold, and the remedy, a line each."""
-    return [*(f"  - {printable(seen)}" for seen in finding.seen), f"  > {finding.rule.remedy}"]
+    """What was seen of a rule that does not hold, and the remedy, a line each; or why the rule is undecided."""
+    remedy = [f"  > {finding.rule.remedy}"] if finding.status == "fail" else []
+    return [*(f"  - {printable(seen)}" for seen in finding.seen), *remedy]
 
 
 def rule_table(rules: Iterable[Rule[Any]]) -> str:
@@ -94,9 +101,10 @@ def _section(rule: Rule[Any]) -> str:
 
 def _story(finding: Finding) -> Text:
     text = Text(finding.rule.title)
-    if finding.status == "fail":
+    if finding.status in ("fail", "undecided"):
         for seen in finding.seen:
-            text.append(f"\n- {printable(seen)}", _STYLE[finding.rule.severity])
+            text.append(f"\n- {printable(seen)}", _STYLE[_word(finding)])
+    if finding.status == "fail":
         text.append(f"\n> {finding.rule.remedy}")
     return text
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Generic, Literal, TypeVar
 
 S = TypeVar("S")
-Status = Literal["pass", "fail", "skip"]
+Status = Literal["pass", "fail", "skip", "undecided"]
 Severity = Literal["violation", "advice"]
 ADVICE = "good practice"
 """The section of rules that the standard does not ask for."""
@@ -58,7 +58,7 @@ class Rule(Generic[S]):
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """What became of one rule on one FMU; `seen` has the sentences of a failure, or the reason of a skip."""
+    """What became of one rule on one FMU; `seen` has the sentences of a failure, or why it was skipped or undecided."""
 
     rule: Rule[Any]
     status: Status
@@ -67,6 +67,10 @@ class Finding:
     def is_broken(self, severity: Severity) -> bool:
         """Whether the rule does not hold and is of that severity."""
         return self.status == "fail" and self.rule.severity == severity
+
+    def fails(self, *, strict: bool) -> bool:
+        """Whether the rule does not hold and is no mere advice; `strict`: or is."""
+        return self.status == "fail" and (strict or self.rule.severity == "violation")
 
 
 def nothing(_subject: object) -> str:

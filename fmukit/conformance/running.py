@@ -2,70 +2,53 @@
 
 from __future__ import annotations
 
-import json
-import os
-import queue
-import subprocess
-import sys
 import tempfile
-import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from time import monotonic
 
-import fmukit
+from fmukit.conformance.attendant import Attendant
 from fmukit.conformance.bench import PLATFORM, Bench
-from fmukit.conformance.errand import death
+from fmukit.conformance.deadline import Deadline
+from fmukit.conformance.isolation_rules import CHANNEL
 from fmukit.conformance.package import Package
 from fmukit.conformance.rule import Finding, Rule
 from fmukit.conformance.rulebook import RUNNING
 from fmukit.places import unpacking_folder
 from fmukit.unpacking import ArchiveError
 
-PATIENCE = 30.0
-_BY_ID = {rule.id: rule for rule in RUNNING}
+DEADLINE = Deadline()
 
 
 def run_groups(
     subject: Package | Path | str,
     others: Sequence[Path | str] = (),
-    patience: float = PATIENCE,
+    deadline: Deadline = DEADLINE,
     groups: str = "LBI",
 ) -> list[Finding]:
     """A finding per rule of those `groups`, in their order; vital rules of others are applied, but not reported.
 
-    `others` are FMUs to run beside it. A rule that takes longer than `patience` [s] fails. The archive is unpacked with
-    the limits of `fmukit.unpacking`; its code runs with the rights of the caller.
+    `others` are FMUs to run beside it. The archive is unpacked with the limits of `fmukit.unpacking`; its code runs
+    with the rights of the caller, under guard (`fmukit.guard`) and within the `deadline`.
     """
     package = subject if isinstance(subject, Package) else Package.read(subject)
     wanted, reason = of_groups(groups), _unfit(package)
     if reason:
         return skipped(wanted, reason)
+    beside = [other for other in map(Package.read, others) if not _unfit(other)]
     with tempfile.TemporaryDirectory("", "fmus-check-", unpacking_folder(), ignore_cleanup_errors=True) as name:
-        scratch = Path(name)
+        rules = [rule for rule in RUNNING if rule.vital or rule in wanted]
         try:
-            arguments = [str(package.path.resolve()), _unpacked(package, scratch / "fmu")]
-            beside = [Package.read(path) for path in others]
-            extra = [
-                text
-                for k, other in enumerate(beside)
-                if not _unfit(other)
-                for text in (str(other.path.resolve()), _unpacked(other, scratch / f"other{k}"))
-            ]
+            found = _Inspection((package, *beside), Path(name), deadline).findings(rules)
         except ArchiveError as error:
             return skipped(wanted, str(error))
-        rules = [rule for rule in RUNNING if rule.vital or rule in wanted]
-        return [found for found in _all_rules(arguments, extra, rules, scratch, patience) if found.rule in wanted]
+    return [finding for finding in found if finding.rule in wanted]
 
 
 def of_groups(groups: str) -> list[Rule[Bench]]:
     """The rules for running FMUs of those groups."""
     return [rule for rule in RUNNING if rule.id[0] in groups]
-
-
-def _unpacked(package: Package, folder: Path) -> str:
-    package.unpack(folder)
-    return str(folder)
 
 
 def _unfit(package: Package) -> str:
@@ -82,66 +65,54 @@ def skipped(rules: Sequence[Rule[Bench]], reason: str) -> list[Finding]:
     return [Finding(rule, "skip", (reason,)) for rule in rules]
 
 
-def _all_rules(
-    arguments: list[str], others: list[str], rules: Sequence[Rule[Bench]], scratch: Path, patience: float
-) -> list[Finding]:
-    """Worker after worker, until every rule has its finding."""
-    found: list[Finding] = []
-    while len(found) < len(rules):
-        left = [rule.id for rule in rules[len(found) :]]
-        for finding in _one_worker([*arguments, ",".join(left), *others], left[0], scratch, patience):
-            found.append(finding)
-            rule = finding.rule
-            if rule.vital and finding.status == "fail":
-                return found + skipped(rules[len(found) :], f"not looked at, because rule {rule.id} does not hold")
-    return found
+@dataclass(frozen=True)
+class _Inspection:
+    """The first of the FMUs is looked at, beside the others."""
 
+    packages: tuple[Package, ...]
+    scratch: Path
+    deadline: Deadline
 
-def _one_worker(arguments: list[str], first: str, scratch: Path, patience: float) -> Iterator[Finding]:
-    """The findings of one worker, from the rule `first` on; its last one says how it died, if it did."""
-    process = _start(arguments, scratch)
-    events: queue.Queue[dict[str, Any] | None] = queue.Queue()
-    threading.Thread(target=_listen, args=(process, events), daemon=True).start()
-    at = first
-    try:
-        while True:
-            event = events.get(timeout=patience)
-            if event is None:
+    def findings(self, rules: Sequence[Rule[Bench]]) -> list[Finding]:
+        """One per rule, from worker after worker: who ends a worker does not end the check."""
+        until = monotonic() + self.deadline.check
+        found: list[Finding] = []
+        strays: list[str] = []
+        while len(found) < len(rules):
+            if monotonic() > until:
+                reason = f"the whole check was given {self.deadline.check:g} s, which are over"
+                found += [Finding(rule, "undecided", (reason,)) for rule in rules[len(found) :]]
                 break
-            at = event.get("begin", at)
-            if "status" in event:
-                yield Finding(_BY_ID[event["rule"]], event["status"], tuple(event["seen"]))
-                at = ""
-        code = process.wait()
-        if at:
-            yield Finding(_BY_ID[at], "fail", (f"the process {death(code)}",))
-    except queue.Empty:
-        yield Finding(_BY_ID[at or first], "fail", (f"no answer within {patience:g} s: a call does not return",))
-    finally:
-        process.kill()
-        process.wait()
+            with Attendant(self._unpacked(), self.scratch, self.deadline, until) as worker:
+                while worker.alive and len(found) < len(rules):
+                    found.append(worker.ask(rules[len(found)]))
+                    broken = _foundation_lost(found[-1])
+                    if broken:
+                        found += skipped(rules[len(found) :], broken)
+                strays += worker.strays
+        return [_strayed(finding, strays) for finding in found]
+
+    def _unpacked(self) -> list[str]:
+        """Each FMU and the folder it is unpacked in, afresh for every worker: an FMU may have spoilt its own."""
+        arguments = []
+        for package in self.packages:
+            folder = Path(tempfile.mkdtemp(prefix="unpacked-", dir=self.scratch)) / "fmu"
+            package.unpack(folder)
+            arguments += [str(package.path.resolve()), str(folder)]
+        return arguments
 
 
-def _start(arguments: list[str], scratch: Path) -> subprocess.Popen[bytes]:
-    """The worker, with folders of its own for work and for temporary files."""
-    places = {name: scratch / name for name in ("work", "temporary")}
-    for place in places.values():
-        place.mkdir(exist_ok=True)
-    environment = os.environ | dict.fromkeys(("TMPDIR", "TEMP", "TMP"), str(places["temporary"]))
-    root = str(Path(fmukit.__file__).resolve().parents[1])
-    environment["PYTHONPATH"] = os.pathsep.join([root, *filter(None, [os.environ.get("PYTHONPATH")])])
-    return subprocess.Popen(
-        [sys.executable, "-m", "fmukit.conformance.worker", *arguments],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
-        stdin=subprocess.DEVNULL,
-        cwd=places["work"],
-        env=environment,
-    )
+def _foundation_lost(finding: Finding) -> str:
+    """Why the rules that come after are not looked at, or nothing."""
+    if not finding.rule.vital or finding.status in ("pass", "skip"):
+        return ""
+    what = "does not hold" if finding.status == "fail" else "is undecided"
+    return f"not looked at, because rule {finding.rule.id} {what}"
 
 
-def _listen(process: subprocess.Popen[bytes], events: queue.Queue[dict[str, Any] | None]) -> None:
-    assert process.stdout is not None
-    for line in process.stdout:
-        events.put(json.loads(line))
-    events.put(None)
+def _strayed(finding: Finding, strays: Sequence[str]) -> Finding:
+    """The rule on the channel of answers is judged by who listened to it."""
+    if finding.rule.check is not CHANNEL or not strays:
+        return finding
+    seen = f"{len(strays)} lines that are no answers of the checker stood in its channel, such as {strays[0]}"
+    return replace(finding, status="fail", seen=(seen,))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterator
+from ctypes import byref
 from functools import partial
 
 from fmukit.conformance import errand
@@ -90,6 +91,28 @@ def replay_in_another_process(bench: Bench) -> Iterator[str]:
     changed = bench.difference(errand.send([task])[0][0], bench.reference()[1 + _BEFORE :])
     if changed:
         yield f"restored from bytes in another process, the run differs: {changed}"
+
+
+@RULES.add(
+    "B21",
+    "Freed FMU states are marked as freed",
+    "2.1.8",
+    "let fmi2FreeFMUstate set the pointer it is given to null, and do nothing if it is null already",
+)
+def freed_states(bench: Bench) -> Iterator[str]:
+    bench.requires("canGetAndSetFMUstate", "it has no FMU states")
+    if bench.package.python:
+        raise NotApplicable("the binary of PythonFMU leaves the pointer as it is, which no Python code can mend")
+    instance = bench.lead("stepping")
+    state = instance.state()
+    instance.forget(state)
+    if state.value:
+        yield "fmi2FreeFMUstate leaves the pointer to the state that it has freed"
+    else:
+        status = instance.call("FreeFMUstate", byref(state))
+        if status > host.WARNING:
+            yield f"fmi2FreeFMUstate answers {host.word(status)} to a null pointer"
+    instance.free()
 
 
 @RULES.add(

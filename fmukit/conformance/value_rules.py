@@ -113,6 +113,34 @@ def _objecting(bench: Bench, variable: ScalarVariable, value: float, state: str)
 
 
 @RULES.add(
+    "B20",
+    "Texts are UTF-8",
+    "2.1.2",
+    "let fmi2GetString give a pointer to characters encoded in UTF-8 and ended by a zero, never a null pointer",
+)
+def texts(bench: Bench) -> Iterator[str]:
+    strings = [v for v in bench.package.variables if v.type == "String"]
+    if not strings:
+        raise NotApplicable("it has no String variables")
+    instance = bench.lead("stepping")
+    for variable in first(strings, _MOST):
+        status, (text,) = instance.get("String", [variable.vr])
+        if status <= host.WARNING:
+            yield from (f"{variable.name} is {what}" for what in _unreadable(text))
+    instance.free()
+
+
+def _unreadable(text: bytes | None) -> Iterator[str]:
+    if text is None:
+        yield "a null pointer"
+        return
+    try:
+        text.decode("utf-8")
+    except UnicodeDecodeError as error:
+        yield f"{text[:40]!r}, whose byte {error.start} is not UTF-8"
+
+
+@RULES.add(
     "B13",
     "A % in a text is not taken for a format",
     "2.1.5",

@@ -1,7 +1,8 @@
-"""The process the rules of a running FMU are applied in: one line of JSON per event on the standard output.
+"""The process the rules of a running FMU are applied in: it answers questions, see `fmukit.conformance.answers`.
 
-Arguments: the FMU file, the folder it is unpacked in, the ids of the rules, then pairs of other FMUs. Before a rule
-it says {"begin": id}, after it {"rule": id, "status": ..., "seen": [...]}.
+It is asked on its standard input and answers on its standard output, which the FMU does not find where they were.
+Arguments: the FMU file, the folder it is unpacked in, then pairs of other FMUs. Whatever the FMU does to this process,
+the one who asks is told by `attendant`.
 """
 
 from __future__ import annotations
@@ -9,37 +10,44 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Sequence
 from pathlib import Path
-from typing import IO
 
+from fmukit.conformance.answers import answer
+from fmukit.conformance.bare import host, pulse
 from fmukit.conformance.bench import Bench
 from fmukit.conformance.package import Package
 from fmukit.conformance.rule import look
 from fmukit.conformance.rulebook import RUNNING
 
-
-def work(bench: Bench, ids: Sequence[str], answer_to: IO[str]) -> None:
-    """Apply the rules of those ids."""
-    for rule in (rule for rule in RUNNING if rule.id in ids):
-        _say(answer_to, {"begin": rule.id})
-        finding = look(rule, bench)
-        seen = [sentence.removeprefix("CallFailed: ") for sentence in finding.seen]
-        _say(answer_to, {"rule": rule.id, "status": finding.status, "seen": seen})
+_BY_ID = {rule.id: rule for rule in RUNNING}
+_FAILED = 70
 
 
-def _say(answer_to: IO[str], event: dict[str, object]) -> None:
-    answer_to.write(json.dumps(event) + "\n")
-    answer_to.flush()
+def _work(bench: Bench, questions: int, answers: int) -> None:
+    """Answer one question after the other; the key of a question is not read before the one before is answered."""
+    with os.fdopen(questions, "rb", buffering=0) as stream:
+        while line := stream.readline():
+            question = json.loads(line)
+            finding = look(_BY_ID[question["rule"]], bench)
+            seen = [sentence.removeprefix("CallFailed: ") for sentence in finding.seen]
+            answer(answers, question["key"], finding.status, seen)
 
 
 def _main(arguments: list[str]) -> None:
-    """Nothing the FMU prints may go where the answers go; the process ends without asking the FMU's libraries."""
-    answer_to = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    """The process ends without asking the FMU's libraries."""
+    questions, answers = os.dup(0), os.dup(1)
+    os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     os.dup2(2, 1)
-    file, folder, ids, *others = arguments
+    file, folder, *others = arguments
+    beat = pulse.own()
+    if beat is not None:
+        host.ears.append(beat.beat)
     beside = tuple(_bench(*pair) for pair in zip(others[::2], others[1::2], strict=True))
-    work(_bench(file, folder, beside), ids.split(","), answer_to)
+    try:
+        _work(_bench(file, folder, beside), questions, answers)
+    except OSError as error:
+        os.write(2, f"the checker cannot answer any more: {error}\n".encode())
+        os._exit(_FAILED)
     os._exit(0)
 
 

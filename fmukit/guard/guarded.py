@@ -22,7 +22,8 @@ from fmukit.guard.keeper import processes
 from fmukit.guard.keeper.limits import Limits
 
 _KEEPER = Path(processes.__file__).parent
-_MARK = "FMUKIT_GUARDED"
+MARK = "FMUKIT_GUARDED"
+"""The environment variable that all processes under one guard share."""
 _PATIENCE, _TRIES = 0.5, 20
 
 
@@ -30,8 +31,10 @@ class Guarded:
     """A command under guard, started at once. Use it in a `with`, whose end is the end of all it started.
 
     `stdin`, `stdout`, `stderr` are as for subprocess.Popen (default: nothing), and so are `cwd`, `env` (default: that
-    of this process) and `pass_fds`. Raises OSError if no process can be started. On Windows there is no keeper: no
-    limits hold, and the processes it started are ended by taskkill.
+    of this process) and `pass_fds`. `writable` puts it behind a fence (see `keeper.fence`): it can change nothing but
+    those folders, and send signals to none but its own processes. Raises OSError if no process can be started.
+
+    On Windows there is no keeper: no limits hold, and the processes it started are ended by taskkill.
     """
 
     def __init__(
@@ -45,13 +48,14 @@ class Guarded:
         cwd: Path | str | None = None,
         env: Mapping[str, str] | None = None,
         pass_fds: Sequence[int] = (),
+        writable: Sequence[Path] | None = None,
     ) -> None:
         self.limits = Limits() if limits is None else limits
-        self._mark = f"{_MARK}={secrets.token_hex(16)}"
+        self._mark = f"{MARK}={secrets.token_hex(16)}"
         self._ending: Ending | None = None
         self._pid: int | None = None
         self._text = b""
-        environment = {**(os.environ if env is None else env), _MARK: self._mark.partition("=")[2]}
+        environment = {**(os.environ if env is None else env), MARK: self._mark.partition("=")[2]}
         settings: dict[str, Any] = {
             "stdin": stdin, "stdout": stdout, "stderr": stderr, "cwd": cwd, "env": environment
         }  # fmt: skip
@@ -59,17 +63,19 @@ class Guarded:
             flags = subprocess.CREATE_NEW_PROCESS_GROUP
             self._process = subprocess.Popen(command, creationflags=flags, **settings)
         else:
-            self._start(command, tuple(pass_fds), settings)
+            self._start(command, tuple(pass_fds), None if writable is None else list(map(str, writable)), settings)
         self.stdin: IO[bytes] | None = self._process.stdin
         self.stdout: IO[bytes] | None = self._process.stdout
         self.stderr: IO[bytes] | None = self._process.stderr
 
-    def _start(self, command: Sequence[str], pass_fds: tuple[int, ...], settings: dict[str, Any]) -> None:
+    def _start(
+        self, command: Sequence[str], pass_fds: tuple[int, ...], writable: list[str] | None, settings: dict[str, Any]
+    ) -> None:
         ours, owner = os.pipe()
         self._report, report = os.pipe()
         os.set_blocking(self._report, False)
         self._owner = owner
-        orders = json.dumps({"limits": asdict(self.limits), "owner": ours, "report": report})
+        orders = json.dumps({"limits": asdict(self.limits), "writable": writable, "owner": ours, "report": report})
         keeper = [sys.executable, "-I", "-S", str(_KEEPER), orders, *command]
         try:
             self._process = subprocess.Popen(

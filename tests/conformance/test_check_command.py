@@ -15,7 +15,7 @@ from fmukit.conformance.rulebook import READING
 
 @pytest.fixture
 def bad(good: Path, tmp_path: Path) -> Path:
-    (nominal,) = (broken for broken in BROKEN if broken.rule == "X36")
+    *_, nominal = (broken for broken in BROKEN if broken.rule == "X36")
     return nominal.make(good, tmp_path / "bad.fmu")
 
 

@@ -59,7 +59,7 @@ def test_every_rule_has_a_broken_fmu() -> None:
 
 
 def test_the_helper_says_what_is_wrong_and_what_to_do(good: Path, tmp_path: Path) -> None:
-    (lacking,) = (broken for broken in BROKEN if broken.rule == "X36")
+    *_, lacking = (broken for broken in BROKEN if broken.rule == "X36")
     path = lacking.make(good, tmp_path / "broken.fmu")
     with pytest.raises(AssertionError, match=r"X36 Nominal .*\(section 2.2.7\)\n  - variable .* -5.0\n  > Write"):
         assert_conformant(path, "AX", strict=True)

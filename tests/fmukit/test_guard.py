@@ -14,7 +14,7 @@ import pytest
 
 from fmukit.guard.ending import Ending, death
 from fmukit.guard.guarded import Guarded
-from fmukit.guard.keeper import processes
+from fmukit.guard.keeper import fence, processes
 from fmukit.guard.keeper.limits import MIB, Limits
 from fmukit.guard.stopwatch import Stopwatch
 
@@ -212,3 +212,14 @@ def test_ps_tells_the_same_as_proc() -> None:
     mine, told = processes.everything()[me], processes.listed()[me]
     assert (mine.parent, mine.alive) == (told.parent, told.alive)
     assert abs(mine.memory - told.memory) < 0.2 * mine.memory
+
+
+@pytest.mark.skipif(fence.height() < 6, reason="needs Landlock with scopes")
+@pytest.mark.parametrize("deed", ["open('/tmp/fenced-out', 'w')", "os.kill(os.getppid(), 9)", "os.kill(1, 0)"])
+def test_nothing_outside_the_fence_is_touched(deed: str, tmp_path: Path) -> None:
+    text = f"import os\nopen('inside', 'w').write('x')\nopen('/dev/null', 'w').write('x')\n{deed}"
+    with python(text, cwd=tmp_path, writable=[tmp_path], stderr=subprocess.PIPE) as guarded:
+        assert guarded.stderr and b"PermissionError" in guarded.stderr.read()
+        assert (finished(guarded).code, guarded.end().reason) == (1, "")
+    assert (tmp_path / "inside").read_text() == "x"
+    assert not Path("/tmp/fenced-out").exists()

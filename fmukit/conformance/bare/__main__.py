@@ -13,6 +13,7 @@ from typing import Any
 
 # This folder is run as it is, in a Python that may not find fmukit.
 import host  # type: ignore[import-not-found]
+import pulse  # type: ignore[import-not-found]
 
 
 def _work(task: dict[str, Any]) -> list[list[Any]]:
@@ -57,15 +58,22 @@ def _experiment(raw: dict[str, Any]) -> Any:
 
 
 def _main() -> None:
-    """Answer on the standard output, to which nothing the FMU prints may go."""
-    answer_to = os.fdopen(os.dup(1), "w")
+    """Answer on a line of its own, with the key of the job, where the FMU does not print."""
+    job = json.load(sys.stdin)
+    answer_to = os.dup(1)
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    os.dup2(nothing, 0)
     os.dup2(2, 1)
+    beat = pulse.own()
+    if beat is not None:
+        host.ears.append(beat.beat)
     try:
-        answer: dict[str, Any] = {"rows": [_work(task) for task in json.load(sys.stdin)]}
+        answer: dict[str, Any] = {"rows": [_work(task) for task in job["tasks"]]}
     except host.CallFailed as error:
         answer = {"error": str(error)}
-    json.dump(answer, answer_to, default=lambda value: value.decode("utf-8", "replace"))
-    answer_to.close()
+    text = json.dumps({"key": job["key"], **answer}, default=lambda value: value.decode("utf-8", "replace"))
+    with os.fdopen(answer_to, "w") as stream:
+        stream.write(f"\n{text}\n")
 
 
 _main()

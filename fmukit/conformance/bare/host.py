@@ -19,6 +19,9 @@ _ALLOCATE = ctypes.CFUNCTYPE(c_void_p, c_size_t, c_size_t)
 _FREE = ctypes.CFUNCTYPE(None, c_void_p)
 _FINISHED = ctypes.CFUNCTYPE(None, c_void_p, c_int)
 _libraries: dict[str, ctypes.CDLL] = {}
+ears: list[Callable[[str], None]] = []
+"""Who is told of every call before it is made, and ("") when it has returned."""
+_MOST_MESSAGES, _LONGEST_MESSAGE = 100_000, 2_000
 
 
 class CallFailed(Exception):  # noqa: N818  (what happened, said of the FMU)
@@ -69,30 +72,35 @@ class RawInstance:
     ) -> None:
         self.target, self.messages = target, list[tuple[int, str]]()
         if target.library not in _libraries:
+            _tell("the loading of the library")
             _libraries[target.library] = _load(target.library)
         self._library = _libraries[target.library]
         self._callbacks = Callbacks(_LOGGER(self._log), _memory("calloc", _ALLOCATE), _memory("free", _FREE))
         if prepare:
             prepare(self._callbacks)
-        instantiate = self._function("Instantiate")
-        instantiate.restype = c_void_p
         texts = (name.encode(), target.guid.encode(), target.resources.encode())
-        self.component = c_void_p(
-            instantiate(texts[0], c_int(1), texts[1], texts[2], byref(self._callbacks), c_int(0), c_int(1))
-        )
+        arguments = (texts[0], c_int(1), texts[1], texts[2], byref(self._callbacks), c_int(0), c_int(1))
+        self.component = c_void_p(self._ask("Instantiate", c_void_p, *arguments))
 
     def _log(self, _environment: Any, _name: bytes, status: int, _category: bytes, message: bytes) -> None:
-        self.messages.append((status, " ".join((message or b"").decode("utf-8", "replace").split())))
+        if len(self.messages) < _MOST_MESSAGES:
+            text = (message or b"")[:_LONGEST_MESSAGE].decode("utf-8", "replace")
+            self.messages.append((status, " ".join(text.split())))
 
-    def _function(self, name: str) -> Any:
+    def _ask(self, name: str, result: Any, *arguments: Any) -> Any:
         try:
-            return self._library[f"fmi2{name}"]  # indexing gives a new object with types of its own
+            function = self._library[f"fmi2{name}"]  # indexing gives a new object with types of its own
         except AttributeError:
             raise CallFailed(f"the library does not export fmi2{name}") from None
+        function.restype = result
+        _tell(f"fmi2{name}")
+        answer = function(*arguments)
+        _tell("")
+        return answer
 
     def call(self, name: str, *arguments: Any) -> int:
         """The status of `fmi2<name>(component, *arguments)`; arguments are ctypes values."""
-        return int(self._function(name)(self.component, *arguments))
+        return int(self._ask(name, c_int, self.component, *arguments))
 
     def must(self, name: str, *arguments: Any) -> None:
         """`call` that raises CallFailed unless the answer is ok or warning."""
@@ -124,9 +132,7 @@ class RawInstance:
 
     def free(self) -> None:
         """Free the instance, which must not be called any more."""
-        function = self._function("FreeInstance")
-        function.restype = None
-        function(self.component)
+        self._ask("FreeInstance", None, self.component)
 
     # variables
 
@@ -227,6 +233,11 @@ def made(target: Target, name: str = "instance", prepare: Callable[[Callbacks], 
 def word(status: int) -> str:
     """The name of a status."""
     return STATUS[status] if 0 <= status < len(STATUS) else f"the unknown status {status}"
+
+
+def _tell(call: str) -> None:
+    for ear in ears:
+        ear(call)
 
 
 def _load(path: str) -> ctypes.CDLL:

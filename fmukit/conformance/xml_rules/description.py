@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from datetime import UTC, datetime
 
 from fmukit.conformance.package import DESCRIPTION, Package
-from fmukit.conformance.rule import NotApplicable, Rules
+from fmukit.conformance.rule import ADVICE, NotApplicable, Rules
 from fmukit.conformance.xml_rules.group import reliable, repeated
 
 DOCUMENT: Rules[Package] = Rules()
@@ -71,7 +71,11 @@ def _schema(package: Package) -> Iterator[str]:
 
 
 @RULES.add(
-    "X5", "The FMU offers co-simulation", "4.3.1", "Export the FMU for co-simulation: add the element CoSimulation."
+    "X5",
+    "The FMU offers co-simulation",
+    ADVICE,
+    "Export the FMU for co-simulation: add the element CoSimulation. Other FMUs are not run here.",
+    vital=True,
 )
 def _cosimulation(package: Package) -> Iterator[str]:
     if package.cosimulation is None:
@@ -89,6 +93,29 @@ def _identifier(package: Package) -> Iterator[str]:
         name = element.get("modelIdentifier")
         if not _IDENTIFIER.fullmatch(name) or _KEYWORDS.fullmatch(name):
             yield f"modelIdentifier of {element.tag} is {name!r}"
+
+
+@RULES.add(
+    "X47",
+    "Vendor annotations have names of their own",
+    "2.2.6",
+    "Give every Tool of VendorAnnotations another name, or put what belongs to one tool into one element.",
+)
+def _annotations(package: Package) -> Iterator[str]:
+    names = [tool.get("name") for tool in package.root.iterfind("VendorAnnotations/Tool")]
+    yield from (f"VendorAnnotations has more than one Tool of the name {name!r}" for name in repeated(names))
+
+
+@RULES.add(
+    "X48",
+    "Source files are listed once",
+    "4.3.1",
+    "Take the repeated File out of SourceFiles: compiled twice, its functions are defined twice.",
+)
+def _listed_twice(package: Package) -> Iterator[str]:
+    for element in package.root.iterfind("*[@modelIdentifier]"):
+        names = [file.get("name") for file in element.iterfind("SourceFiles/File")]
+        yield from (f"SourceFiles of {element.tag} lists {name!r} more than once" for name in repeated(names))
 
 
 @RULES.add("X7", "The model has a name", "good practice", "Give modelName the name a user knows the model by.")

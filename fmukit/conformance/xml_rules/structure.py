@@ -56,6 +56,22 @@ def _derivatives(package: Package) -> Iterator[str]:
 
 
 @RULES.add(
+    "X49",
+    "Derivatives refer to states, each to another one",
+    "2.2.8",
+    "Let the attribute derivative of each listed variable be the index of its state, an output or a local variable.",
+)
+def _states(package: Package) -> Iterator[str]:
+    listed = [v for v in _named(package, "Derivatives") if v.derivative is not None]
+    for derivative, state in ((v, s) for v in listed for s in _existing(package, [v.derivative or 0])):
+        if state.causality not in ("output", "local"):
+            yield f"{derivative.name} refers to {state.name}, which is no state: its causality is {state.causality}"
+    names = {v.index: v.name for v in package.variables}
+    for index in repeated(v.derivative for v in listed):
+        yield f"more than one derivative refers to {names.get(int(str(index)), index)}"
+
+
+@RULES.add(
     "X40",
     "InitialUnknowns lists exactly what is unknown at the start",
     "2.2.8",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from typing import Any
 
 from fmukit.conformance.package import Package
 from fmukit.conformance.rule import Rules
@@ -83,6 +84,10 @@ def _order(package: Package) -> Iterator[str]:
         low, high = _limits(variable)
         if not low <= high:
             yield f"variable {variable.name} has min {low} and max {high}"
+    for kind in _numeric(package):
+        low, high = float(kind[0].get("min", "-inf")), float(kind[0].get("max", "inf"))
+        if not low <= high:
+            yield f"type {kind.get('name')} has min {low:g} and max {high:g}"
 
 
 @RULES.add(
@@ -92,6 +97,14 @@ def _nominal(package: Package) -> Iterator[str]:
     for variable in package.variables:
         if variable.nominal is not None and not 0.0 < variable.nominal < math.inf:
             yield f"variable {variable.name} has the nominal value {variable.nominal}"
+    for kind in _numeric(package):
+        if not 0.0 < float(kind[0].get("nominal", "1")) < math.inf:
+            yield f"type {kind.get('name')} has the nominal value {kind[0].get('nominal')}"
+
+
+def _numeric(package: Package) -> list[Any]:
+    """The definitions of types of numbers."""
+    return [kind for kind in package.root.iterfind("TypeDefinitions/SimpleType") if kind[0].tag in ("Real", "Integer")]
 
 
 def _limits(variable: ScalarVariable) -> tuple[float, float]:

@@ -136,6 +136,23 @@ def _derivative(package: Package) -> Iterator[str]:
             yield f"variable {variable.name} is the derivative of {state.name}, a {state.variability} {state.type}"
 
 
+@RULES.add(
+    "X46",
+    "canHandleMultipleSetPerTimeInstant stands at inputs of model exchange only",
+    "2.2.7",
+    "Take canHandleMultipleSetPerTimeInstant out: it must not stand in an FMU for co-simulation only, or elsewhere.",
+)
+def _multiple_set(package: Package) -> Iterator[str]:
+    exchange = package.root.find("ModelExchange") is not None
+    for variable in package.variables:
+        if "canHandleMultipleSetPerTimeInstant" not in variable.given:
+            continue
+        if not exchange:
+            yield f"variable {variable.name} has it, but the FMU is not for model exchange"
+        elif variable.causality != "input":
+            yield f"variable {variable.name} has it, but its causality is {variable.causality}"
+
+
 def _legal(variable: ScalarVariable) -> bool:
     return variable.variability in _VARIABILITY[variable.causality] or (
         variable.type != "Real" and variable.variability == "continuous"  # told by another rule

@@ -1,9 +1,10 @@
 """Starts a command, adopts all it leaves behind, holds it to its limits, and ends it all when it is time.
 
-Arguments: a JSON object with the limits, the descriptor `owner` to read from (its end is the end of the owner, or of
-its patience) and the descriptor `report` to write to, then the command. Two lines of JSON go to the report: {"pid":
-number} of the command, and how it ended: {"code": -9 for signal 9, "reason": "", "left": processes ended with it,
-"peak": memory in bytes}. Standard library only; this folder is run as it is.
+Arguments: a JSON object with the limits, the folders that stay `writable` (null: all), the descriptor `owner` to read
+from (its end is the end of the owner, or of its patience) and the descriptor `report` to write to; then the command.
+Two lines of JSON go to the report: {"pid": number} of the command, and how it ended: {"code": -9 for signal 9,
+"reason": "", "left": processes ended with it, "peak": memory in bytes}. Standard library only; this folder is run as it
+is.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from time import monotonic
 from typing import Any, NoReturn
 
 import processes  # type: ignore[import-not-found]
+from fence import fence  # type: ignore[import-not-found]
 from limits import Limits, apply  # type: ignore[import-not-found]
 
 _PDEATHSIG, _DUMPABLE, _SUBREAPER = 1, 4, 36  # numbers of prctl
@@ -93,7 +95,7 @@ def _prctl(option: int, value: int) -> None:
         ctypes.CDLL(None).prctl(option, value, 0, 0, 0)
 
 
-def _start(command: list[str], limits: Any) -> int:
+def _start(command: list[str], limits: Any, writable: list[str] | None) -> int:
     """The process number of the command, in a session of its own, which dies with this process."""
     keeper = os.getpid()
     child = os.fork()
@@ -106,6 +108,8 @@ def _start(command: list[str], limits: Any) -> int:
             for number in (signal.SIGPIPE, signal.SIGXFSZ):  # which Python ignores
                 signal.signal(number, signal.SIG_DFL)
             apply(limits, processes.threads())
+            if writable is not None:
+                fence(writable)
             os.execvpe(command[0], command, os.environ)
         except BaseException as error:
             os.write(2, f"{command[0]} cannot be started: {error}\n".encode())
@@ -147,7 +151,7 @@ def _main(text: str, command: list[str]) -> NoReturn:
     _prctl(_DUMPABLE, 0)
     limits = Limits(**orders["limits"])
     woken, wake = _wakes()
-    child = _start(command, limits)
+    child = _start(command, limits, orders["writable"])
     _forget(owner, report, woken, wake)
     _say(report, pid=child)
     keeper = Keeper(child, limits)

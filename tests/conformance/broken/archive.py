@@ -69,6 +69,13 @@ def _bomb(members: Members) -> Iterator[Entry]:
     yield "resources/zeros.bin", bytes(32 << 20)
 
 
+@archive("A6", "bytes packed into")
+def _swarm(members: Members) -> Iterator[Entry]:
+    """None of them is large."""
+    yield from members.items()
+    yield from ((f"resources/zeros{k}.bin", bytes(8 << 20)) for k in range(40))
+
+
 @archive("A6", "at most 20000 are accepted")
 def _crowd(members: Members) -> Iterator[Entry]:
     yield from members.items()
@@ -93,6 +100,39 @@ def _library(members: Members) -> Iterable[Entry]:
 @archive("A10", "binaries/win64/Imu.dll is not a win64 library")
 def _elf_for_windows(members: Members) -> Iterable[Entry]:
     return (members | {"binaries/win64/Imu.dll": members["binaries/linux64/Imu.so"]}).items()
+
+
+@archive("A10", "binaries/linux64/Imu.so is empty")
+def _empty(members: Members) -> Iterable[Entry]:
+    return (members | {"binaries/linux64/Imu.so": b""}).items()
+
+
+@archive("A10", "binaries/linux64/Imu.so is not a linux64 library")
+def _narrow(members: Members) -> Iterable[Entry]:
+    """The class of 32 bit."""
+    binary = members["binaries/linux64/Imu.so"]
+    return (members | {"binaries/linux64/Imu.so": binary[:4] + b"\x01" + binary[5:]}).items()
+
+
+@archive("A16", "binaries/linux64/Imu.so is made for aarch64")
+def _other_processor(members: Members) -> Iterable[Entry]:
+    binary = members["binaries/linux64/Imu.so"]
+    return (members | {"binaries/linux64/Imu.so": binary[:18] + b"\xb7\x00" + binary[20:]}).items()
+
+
+for _name in (
+    "extra/CON",
+    "resources/nul.txt",
+    "resources/Com1.tar.gz",
+    "resources/end.",
+    "resources/a?b",
+    "extra/lpt\u00b2",
+):
+
+    @archive("A17", f"Windows has no file or folder {_name!r}")
+    def _unspeakable(members: Members, name: str = _name) -> Iterator[Entry]:
+        yield from members.items()
+        yield name, b"x"
 
 
 @archive("A11", "'notes.txt' at the root")

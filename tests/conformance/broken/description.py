@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+from lxml import etree
+
 from broken.making import XML, Entry, Members, archive, description, renamed, text
 
 text("X1", "declares a document type", "?>", '?><!DOCTYPE a [<!ENTITY x SYSTEM "file:///etc/passwd">]>')
@@ -33,6 +35,23 @@ def _model_exchange(root: Any) -> None:
 def _identifier(members: Members) -> Iterable[Entry]:
     members[XML] = members[XML].replace(b'modelIdentifier="Imu"', b'modelIdentifier="class-7"')
     return renamed(members, "binaries/linux64/Imu.so", "binaries/linux64/class-7.so")
+
+
+@description("X47", "more than one Tool of the name 'ours'")
+def _vendors(root: Any) -> None:
+    annotations = etree.Element("VendorAnnotations")
+    for _ in range(2):
+        etree.SubElement(annotations, "Tool", name="ours")
+    root.find("ModelVariables").addprevious(annotations)
+
+
+@archive("X48", "SourceFiles of CoSimulation lists 'imu.c' more than once")
+def _source_twice(members: Members) -> Iterable[Entry]:
+    root = etree.fromstring(members[XML])
+    files = etree.SubElement(root.find("CoSimulation"), "SourceFiles")
+    for _ in range(2):
+        etree.SubElement(files, "File", name="imu.c")
+    return (members | {XML: etree.tostring(root), "sources/imu.c": b"int imu;"}).items()
 
 
 @description("X8", "guid is ''")

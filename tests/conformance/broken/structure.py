@@ -6,7 +6,7 @@ from typing import Any
 
 from lxml import etree
 
-from broken.making import description, unknowns
+from broken.making import add_variable, description, unknowns, variable
 
 
 @description("X37", "Outputs lists the index")
@@ -34,6 +34,30 @@ def _no_derivative(root: Any) -> None:
     derivatives = etree.Element("Derivatives")
     etree.SubElement(derivatives, "Unknown", index=unknowns(root, "Outputs")[0].get("index"))
     unknowns(root, "Outputs").addnext(derivatives)
+
+
+def _derive(root: Any, *states: Any) -> None:
+    """Expose derivatives of these variables."""
+    variables, derivatives = root.find("ModelVariables"), etree.Element("Derivatives")
+    for number, state in enumerate(states):
+        index = 1 + list(variables).index(state)
+        add_variable(root, f"rate{number}", {"causality": "local"}, derivative=str(index))
+        etree.SubElement(derivatives, "Unknown", index=str(len(variables)))
+        etree.SubElement(unknowns(root, "InitialUnknowns"), "Unknown", index=str(len(variables)))
+    unknowns(root, "Outputs").addnext(derivatives)
+
+
+@description("X49", "which is no state: its causality is input")
+def _derivative_of_an_input(root: Any) -> None:
+    variable(root, "input").set("variability", "continuous")
+    _derive(root, variable(root, "input"))
+
+
+@description("X49", "more than one derivative refers to state")
+def _two_derivatives(root: Any) -> None:
+    add_variable(root, "state", {"causality": "local", "initial": "exact"}, start="0")
+    state = root.find("ModelVariables")[-1]
+    _derive(root, state, state)
 
 
 @description("X40", "it is unknown at the start")

@@ -41,6 +41,16 @@ def _order(root: Any) -> None:
     variable(root, "output")[0].attrib.update({"min": "2", "max": "1"})
 
 
+@description("X35", "type Speed has min 2 and max 1")
+def _order_of_a_type(root: Any) -> None:
+    add_types(root, '<SimpleType name="Speed"><Real min="2" max="1"/></SimpleType>')
+
+
+@description("X36", "type Speed has the nominal value 0")
+def _nominal_of_a_type(root: Any) -> None:
+    add_types(root, '<SimpleType name="Speed"><Real nominal="0"/></SimpleType>')
+
+
 @description("X36", "has the nominal value -5.0")
 def _nominal(root: Any) -> None:
     variable(root, "output")[0].set("nominal", "-5")

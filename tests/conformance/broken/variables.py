@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from lxml import etree
+
 from broken.making import add_variable, description, variable
 
 DISCRETE = {"causality": "local", "variability": "discrete"}
@@ -52,6 +54,18 @@ def _alias_units(root: Any) -> None:
         v for v in root.iter("ScalarVariable") if v.get("causality") == "output" and v[0].get("unit") == "rad/s"
     )
     root.find("ModelVariables")[-1].set("valueReference", output.get("valueReference"))
+
+
+@description("X46", "has it, but the FMU is not for model exchange")
+def _multiple_set(root: Any) -> None:
+    variable(root, "input").set("canHandleMultipleSetPerTimeInstant", "false")
+
+
+@description("X46", "has it, but its causality is parameter")
+def _multiple_set_of_a_parameter(root: Any) -> None:
+    exchange = etree.Element("ModelExchange", modelIdentifier=root.find("CoSimulation").get("modelIdentifier"))
+    root.find("CoSimulation").addprevious(exchange)
+    variable(root, "parameter").set("canHandleMultipleSetPerTimeInstant", "true")
 
 
 @description("X29", "which is no other variable")

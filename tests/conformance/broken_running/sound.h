@@ -79,6 +79,15 @@ typedef struct { char magic[8]; Data data; uint64_t checksum; } Bytes;
 #ifndef TELL_LABEL
 #define TELL_LABEL(m, text) (m)->host->logger((m)->host->environment, "sound", OK, "all", "%s", text)
 #endif
+#ifndef LABEL
+#define LABEL(m) (m)->data.label
+#endif
+#ifndef FORGOTTEN
+#define FORGOTTEN NULL
+#endif
+#ifndef STEP_REFUSED
+#define STEP_REFUSED refuse(m, "a step must go forward")
+#endif
 #ifndef RESET
 #define RESET(m) start(m)
 #endif
@@ -169,7 +178,7 @@ API int fmi2Reset(Instance *m) {
 
 API int fmi2DoStep(Instance *m, double t, double h, int no_set) {
   if (!MAY_STEP(m)) return refuse(m, "a step is possible after initialisation only");
-  if (!STEP_FITS(h)) return refuse(m, "a step must go forward");
+  if (!STEP_FITS(h)) return STEP_REFUSED;
   if (!m->data.anchored) m->data.origin = m->data.time = t, m->data.anchored = 1;
   if (fabs(t - m->data.time) > 1e-6) return refuse(m, "a step must begin where the last one ended");
   ADVANCE(m, t, h);
@@ -206,7 +215,7 @@ API int fmi2SetReal(Instance *m, const unsigned *vr, size_t n, const double *val
 API int fmi2GetString(Instance *m, const unsigned *vr, size_t n, const char **value) {
   for (size_t i = 0; i < n; ++i) {
     if (vr[i] != 0) return refuse(m, "there is no such variable");
-    value[i] = m->data.label;
+    value[i] = LABEL(m);
   }
   return OK;
 }
@@ -234,7 +243,7 @@ API int fmi2SetFMUstate(Instance *m, const Data *state) {
 
 API int fmi2FreeFMUstate(Instance *m, Data **state) {
   free(*state);
-  *state = NULL;
+  *state = FORGOTTEN;
   return OK;
 }
 
