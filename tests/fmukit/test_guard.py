@@ -107,6 +107,7 @@ def test_a_daemon_is_ended_with_the_command(tmp_path: Path) -> None:
 
 def test_the_end_of_the_block_ends_everything(tmp_path: Path) -> None:
     with python(DAEMON + "daemon(); time.sleep(600)", tmp_path / "pid") as guarded:
+        until(lambda: (tmp_path / "pid").exists() and (tmp_path / "pid").read_text())
         until(lambda: len(guarded.family()) == 2)
         assert guarded.poll() is None
     ending = guarded.end()
@@ -124,7 +125,7 @@ def test_signals_do_not_end_the_keeper(number: int) -> None:
 def test_who_ends_or_stops_its_keeper_is_ended_all_the_same(number: int, tmp_path: Path) -> None:
     deed = f"import os, time; daemon(); os.kill(os.getppid(), {number}); time.sleep(600)"
     with python(DAEMON + deed, tmp_path / "pid") as guarded:
-        until((tmp_path / "pid").exists)
+        until(lambda: (tmp_path / "pid").exists() and (tmp_path / "pid").read_text())
         ending = finished(guarded) if number == signal.SIGKILL else guarded.end()
     assert ending.reason == ("keeper" if number == signal.SIGKILL else "owner")
     assert is_gone(int((tmp_path / "pid").read_text()))
