@@ -8,9 +8,9 @@ from typing import Annotated
 import typer
 
 from cosim.command.opening import opened
-from cosim.command.options import Assignments, Events, Name, Seed, StopTime
+from cosim.command.options import Assignments, Events, Name, Periods, Seed, StopTime
 from cosim.command.terminal import notices
-from cosim.model.system import parse_assignments, parse_events
+from cosim.model.system import parse_assignments, parse_events, parse_periods
 from cosim.run.request import Request
 from cosim.ssp.export import export
 
@@ -25,13 +25,15 @@ def export_command(
     seed: Seed = 0,
     stop_time: StopTime = None,
     events: Events = None,
+    periods: Periods = None,
 ) -> None:
     """Write a scenario as SSP 1.0, with its FMUs and values, for other tools; or as a TOML file, to change it."""
     notices(shown=True)
     values, changes = parse_assignments(assignments or []), parse_events(events or [])
     with opened(name) as scenario:
         target = file if file is not None else Path(f"{scenario.name}.ssp")
-        request = Request(scenario, target.parent, values, seed, stop_time, events=changes)
+        paced = parse_periods(periods or [])
+        request = Request(scenario, target.parent, values, seed, stop_time, events=changes, periods=paced)
         if target.suffix == ".toml":
             from cosim.system_file.writing import export_system  # noqa: PLC0415 - only for those who want one
 

@@ -10,13 +10,13 @@ import typer
 
 from cosim.command.explain import explanation
 from cosim.command.opening import opened
-from cosim.command.options import Assignments, Events, Name, Seed, StopTime
+from cosim.command.options import Assignments, Events, Name, Periods, Seed, StopTime
 from cosim.command.show import show
 from cosim.command.terminal import notices, progress
 from cosim.engine.loader import ISOLATION_TIMEOUT
 from cosim.engine.schedule import Scheme
 from cosim.errors import RunFailedError, RunInterruptedError
-from cosim.model.system import parse_assignments, parse_events
+from cosim.model.system import parse_assignments, parse_events, parse_periods
 from cosim.results.summary import Summary
 from cosim.run.prepare import RunPlan
 from cosim.run.request import Request
@@ -39,6 +39,7 @@ def run_command(
         Path | None, typer.Option("-o", "--output", help="Results folder; results/NAME if left out.")
     ] = None,
     events: Events = None,
+    periods: Periods = None,
     record_every: Annotated[
         float | None, typer.Option(metavar="S", help="Time between two recorded rows, in s; 0 records at every tick.")
     ] = None,
@@ -76,6 +77,7 @@ def run_command(
             record_all,
             isolate=isolate or (),
             isolate_timeout=isolate_timeout,
+            periods=parse_periods(periods or []),
         )
         stop = stop_time if stop_time is not None else scenario.stop_time
         explainer = _explainer(to_stderr=as_json or quiet) if explain else lambda _plan: None

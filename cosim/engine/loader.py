@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
-import tempfile
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
@@ -13,6 +11,7 @@ from typing import Self
 from fmpy import platform, sharedLibraryExtension
 
 from cosim.engine.fmu import FmuSlave, Library
+from cosim.engine.folder import temporary_folder
 from cosim.engine.isolation.process import Process
 from cosim.engine.isolation.proxy import IsolatedSlave
 from cosim.engine.slave import Slave
@@ -22,8 +21,6 @@ from cosim.model.face import Face, read_face
 from cosim.model.system import System
 from fmukit.conformance.package import Package
 from fmukit.conformance.vital import unfit
-from fmukit.errors import UserError, because
-from fmukit.places import unpacking_folder
 from fmukit.unpacking import ArchiveError, unpack
 
 Find = Callable[[str], Path]
@@ -39,26 +36,23 @@ class Loader:
 
     def __init__(self, find: Find, timeout: float = ISOLATION_TIMEOUT) -> None:
         self._find, self._timeout = find, timeout
-        self._root = Path()
+        self._root, self._held = Path(), ExitStack()
+        self._files: dict[str, Path] = {}
         self._models: dict[str, Library] = {}
         self._slaves: list[Slave] = []
 
     def __enter__(self) -> Self:
-        try:
-            self._root = Path(tempfile.mkdtemp(prefix="cosim-", dir=unpacking_folder()))
-        except UserError as error:
-            raise CosimError(str(error)) from None
-        except OSError as error:
-            raise CosimError(f"no folder to unpack FMUs into: {because(error)}; set TMPDIR to one") from None
+        self._root = self._held.enter_context(temporary_folder())
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, tb: TracebackType | None) -> None:
         for slave in reversed(self._slaves):
             slave.close()
-        shutil.rmtree(self._root, ignore_errors=True)
+        self._held.close()
 
     def faces(self, system: System) -> dict[str, Face]:
         """The face of every instance's model."""
+        self._files.update(system.files)
         return {name: self._model(instance.model).face for name, instance in system.instances.items()}
 
     def slaves(self, nodes: Mapping[str, Node]) -> dict[str, Slave]:
@@ -75,7 +69,9 @@ class Loader:
         return made
 
     def file(self, model: str) -> Path:
-        """The .fmu file of a model: the path itself, or where `find` has the catalogue's."""
+        """The .fmu file of a model: its system's own, the path itself, or where `find` has the catalogue's."""
+        if model in self._files:
+            return self._files[model]
         return Path(model) if model.endswith(".fmu") else self._find(model)
 
     def _instantiate(self, name: str, library: Library, process: Process | None) -> Slave:

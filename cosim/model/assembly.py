@@ -150,7 +150,7 @@ def _period(name: str, instance: Instance, face: Face, values: Mapping[str, Valu
     """The communication period [ns]: the system's, else the sampling period, else the model's default step."""
     step = instance.period if instance.period is not None else values.get(SAMPLE_PERIOD, face.step)
     if step is None:
-        raise CosimError(f"{name} ({face.model}) has no default step; give the instance a period")
+        raise CosimError(f"{name} ({face.model}) has no default step; give the instance a period, or --period {name}=S")
     return nanoseconds(float(step), f"the period of {name} ({face.model})")
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from cosim.errors import CosimError, unknown
 from cosim.model.clock import SECOND
@@ -85,7 +86,8 @@ class System:
     """Instances by name, in the order in which they are listed and recorded, and the wires and links between them.
 
     `assignments` are values set of instances beyond their own parameters, in the order in which they were made; the
-    last one counts. `events` are values set during the run.
+    last one counts. `events` are values set during the run. `files` are the .fmu files of models that the system brings
+    along, by the names its instances give.
     """
 
     instances: dict[str, Instance] = field(default_factory=dict)
@@ -93,6 +95,7 @@ class System:
     links: list[Link] = field(default_factory=list)
     assignments: list[Assignment] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
+    files: dict[str, Path] = field(default_factory=dict)
 
     def add(
         self,
@@ -122,6 +125,14 @@ class System:
             raise unknown("instance", pattern, self.instances, "`--explain` lists the instances")
         for name in meant:
             self.instances[name].isolated = True
+
+    def pace(self, pattern: str, period: float) -> None:
+        """Give the instances whose names fit the pattern another period [s]; raises CosimError when there is none."""
+        meant = [name for name in self.instances if matches(name, pattern)]
+        if not meant:
+            raise unknown("instance", pattern, self.instances, "`--explain` lists the instances")
+        for name in meant:
+            self.instances[name].period = period
 
     def connect(self, source: str, target: str, names: Mapping[str, str] | None = None) -> None:
         """Wire `source` to `target`, same name to same name, or as `names` maps inputs to outputs.
@@ -198,6 +209,20 @@ def parse_assignments(texts: Iterable[str]) -> list[tuple[str, str]]:
             raise CosimError(f"cannot read {text!r}; write --set instance.variable=value")
         pairs.append((name.strip(), value.strip()))
     return pairs
+
+
+def parse_periods(texts: Iterable[str]) -> list[tuple[str, float]]:
+    """[("car*", 0.01)] from ["car*=0.01"]."""
+    periods = []
+    for text in texts:
+        name, _, value = text.rpartition("=")
+        try:
+            periods.append((name.strip(), float(value)))
+        except ValueError:
+            name = ""
+        if not name.strip():
+            raise CosimError(f"cannot read {text!r}; write --period instance=seconds")
+    return periods
 
 
 def parse_events(texts: Iterable[str]) -> list[tuple[float, str, str]]:

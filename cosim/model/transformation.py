@@ -9,15 +9,21 @@ from cosim.model.units import Conversion
 
 @dataclass(frozen=True, slots=True)
 class Lookup:
-    """Every value that may come, and what it becomes: of Booleans (0 and 1), Integers and Enumerations."""
+    """Every value that may come, and what it becomes: of Booleans (0 and 1), Integers and Enumerations.
+
+    `partial`: values without an entry stay as they are.
+    """
 
     entries: tuple[tuple[int, int], ...]
+    partial: bool = False
 
     def __call__(self, value: float) -> float:
         """What `value` becomes; raises LookupError where no entry says."""
         for source, target in self.entries:
             if source == value:
                 return float(target)
+        if self.partial:
+            return value
         raise LookupError
 
 

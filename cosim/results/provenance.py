@@ -42,6 +42,7 @@ class Provenance:
     settings  of the scenario, all of them, by name
     set       what was given by --set, as "instance.variable=value"
     at        what was given by --at, as "time:instance.input=value"
+    periods   what was given by --period, as "instance=seconds"
     values    parameters and inputs that start with another value than their FMU says, by "instance.variable"
     scheme    "multirate" or "jacobi"
     step      the one communication step for all [s], None where each instance has its own
@@ -52,6 +53,7 @@ class Provenance:
     settings: Mapping[str, Value] = field(default_factory=dict)
     set: Sequence[str] = ()
     at: Sequence[str] = ()
+    periods: Sequence[str] = ()
     values: Mapping[str, Value] = field(default_factory=dict)
     scheme: str = "multirate"
     step: float | None = None
@@ -60,7 +62,7 @@ class Provenance:
 
     def data(self) -> dict[str, Any]:
         """Plain values as JSON has them."""
-        return asdict(self) | {"set": list(self.set), "at": list(self.at)}
+        return asdict(self) | {"set": list(self.set), "at": list(self.at), "periods": list(self.periods)}
 
     def json(self) -> str:
         """As JSON text, the same for equal runs wherever their results are written."""

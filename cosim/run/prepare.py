@@ -76,6 +76,8 @@ def requested(system: System, request: Request) -> System:
             system.set(signal, text)
     for time, signal, text in request.events:
         system.at(time, signal, text)
+    for pattern, period in request.periods:
+        system.pace(pattern, period)
     for pattern in request.isolate:
         system.isolate(pattern)
     return system

@@ -28,7 +28,7 @@ class Request:
     `stop_time` and `record_every` [s] take the place of the scenario's. `record_all` records what the scenario leaves
     out. `find` gives the .fmu file of a model by its name.
     `isolate` are patterns of instances that get processes of their own (see `System.isolate`), each call of which may
-    take `isolate_timeout` [s] of wall time.
+    take `isolate_timeout` [s] of wall time. `periods` are (pattern of instances, period [s]), the last counts.
     """
 
     scenario: Scenario
@@ -44,6 +44,7 @@ class Request:
     find: Callable[[str], Path] = find
     isolate: Sequence[str] = ()
     isolate_timeout: float = ISOLATION_TIMEOUT
+    periods: Sequence[tuple[str, float]] = ()
 
     def __post_init__(self) -> None:
         _ = self.stop, self.interval  # before anything is prepared, or removed from the folder

@@ -23,6 +23,7 @@ def provenance(
         set=[f"{signal}={value}" for signal, value in request.assignments],
         at=[f"{time:g}:{signal}={value}" for time, signal, value in request.events],
         values=dict(_changed(nodes)),
+        periods=[f"{pattern}={period!r}" for pattern, period in request.periods],
         scheme=request.scheme,
         step=request.step,
         models={
