@@ -59,6 +59,13 @@ def test_any_number_of_cars_is_kept_in_the_whole_manoeuvre(law: str, topology: s
     check(values(drive(law, tmp_path, *cars)), size)
 
 
+@pytest.mark.nightly
+@pytest.mark.parametrize("law", LAWS)
+def test_thirteen_multibody_cars_are_kept_in_the_whole_manoeuvre(law: str, tmp_path: Path) -> None:
+    """With sensors, filters, radio and low-level controllers; four are driven by every run of the tests."""
+    check(values(drive(law, tmp_path, "scenario.vehicles=13")), 13)
+
+
 def said(caplog: pytest.LogCaptureFixture) -> list[str]:
     return [record.getMessage() for record in caplog.records if "errors are expected to grow" in record.getMessage()]
 
