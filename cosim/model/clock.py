@@ -8,6 +8,8 @@ from collections.abc import Iterable
 from cosim.errors import CosimError
 
 SECOND = 1_000_000_000
+LONGEST = 1e9
+"""The longest time [s]: beyond, doubles do not even tell tenths of a microsecond apart."""
 _ROUNDING = 1e-6  # [ns] decimal seconds such as 0.1 + 0.2 miss the whole nanosecond by this much at most
 
 
@@ -16,6 +18,8 @@ def nanoseconds(seconds: float, owner: str) -> int:
     exact = seconds * SECOND
     if not (math.isfinite(exact) and seconds > 0.0):
         raise CosimError(f"{owner} is {seconds:g} s; it must be positive and finite")
+    if seconds > LONGEST:
+        raise CosimError(f"{owner} is {seconds:g} s; it must be at most {LONGEST:g} s")
     whole = round(exact)
     if whole == 0 or abs(exact - whole) > max(_ROUNDING, 1e-15 * exact):
         raise CosimError(f"{owner} is {seconds!r} s, which is not a whole number of nanoseconds; take {_near(exact)} s")

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from cosim.errors import CosimError, unknown
-from cosim.model.clock import SECOND
+from cosim.model.clock import LONGEST
 from cosim.model.face import Kind, Value
 from cosim.model.patterns import is_pattern, matches
 from cosim.model.transformation import Transformation
@@ -164,8 +163,8 @@ class System:
         It takes effect when the instance next takes its inputs, at that time or after it. Of two events for one input
         at one time the later call counts. `signal` may be a pattern.
         """
-        if not (math.isfinite(time * SECOND) and time >= 0.0):
-            raise CosimError(f"{signal} cannot be set at {time:g} s; give a time that is finite and not negative")
+        if not 0.0 <= time <= LONGEST:
+            raise CosimError(f"{signal} cannot be set at {time:g} s; give a time from 0 to {LONGEST:g} s")
         self._expect_instance(signal)
         self.events.append(Event(time, signal, value))
 

@@ -18,6 +18,7 @@ def described(interface: Interface, code: Code, modules: Embedded | None) -> byt
         "kind": interface.kind,
         "step": interface.step,
         "max_substep": interface.max_substep if interface.kind == "continuous" else None,
+        "most": _most(code, modules),
         "derived": code.derived,
         "states": code.states,
         "table": table and asdict(table),
@@ -26,6 +27,13 @@ def described(interface: Interface, code: Code, modules: Embedded | None) -> byt
         "variables": [_entry(variable) for variable in interface.variables],
     }
     return json.dumps(content, indent=1).encode()
+
+
+def _most(code: Code, modules: Embedded | None) -> int:
+    """How many substeps or samples a step of a host may take: some seconds of work of whatever computes them."""
+    if modules:
+        return 1_000
+    return 10_000 if code.solvers else 100_000
 
 
 def _program(modules: Embedded) -> dict[str, object]:

@@ -35,9 +35,9 @@ class Computation:
     def _moved(self) -> Continuous | Sampled:
         about = self._about
         if about.continuous:
-            return Continuous(self._library, self._address, about.max_substep)
+            return Continuous(self._library, self._address, about.max_substep, about.most)
         sample = self._script.sample if self._script else self._library.fmukit_sample
-        return Sampled(sample, self._address, 8 * about.size)
+        return Sampled(sample, self._address, 8 * about.size, about.most)
 
     def initialise(self, seed: int, table: array[float], rows: int) -> int:
         """Compute derived values, first states and outputs; `table` has its cells row by row, of which `rows` count."""
@@ -50,7 +50,8 @@ class Computation:
         """What a code that is not 0 means."""
         scalars = self._about.scalars
         if code == TOO_LONG:
-            return "it needs more than ten million substeps or samples"
+            parts = "substeps" if self._about.continuous else "samples"
+            return f"it takes more than {self._about.most} {parts}; take shorter steps"
         if code < 0:
             return self._script.said if self._script else "the kernel reported an error"
         return f"{scalars[code - 1].name if code <= len(scalars) else 'an internal state'} is not a finite number"

@@ -82,7 +82,8 @@ class Remark:
 class Description:
     """One FMU: `size` is that of the whole buffer, `period_slot` and `seed_slot` are -1 where there is none.
 
-    `step` and `max_substep` in s; `hash` names the package and so the kernel a saved state belongs to.
+    `step` and `max_substep` in s; `most` is how many substeps or samples a step may have; `hash` names the package and
+    so the kernel a saved state belongs to.
     """
 
     name: str
@@ -90,6 +91,7 @@ class Description:
     continuous: bool
     step: float
     max_substep: float
+    most: int
     scalars: tuple[Scalar, ...]
     size: int
     period_slot: int
@@ -115,6 +117,7 @@ class Description:
             continuous=raw["kind"] == "continuous",
             step=raw["step"],
             max_substep=LARGEST if raw["max_substep"] is None else raw["max_substep"],
+            most=raw["most"],
             scalars=scalars,
             size=len(scalars) + raw["derived"] + raw["states"],
             period_slot=slots.get("sample_period", -1),

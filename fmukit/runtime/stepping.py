@@ -1,5 +1,7 @@
 """How time passes: a continuous kernel integrates the step it is given, a sampled one serves its own grid.
 
+A step of more than `most` substeps or samples is refused: a host that takes a step of a day by mistake is told at once.
+
 Both `step` functions return the kernel's code: 0, or what went wrong (see `fmukit/packaging/shim.c`), or `TOO_LONG`.
 """
 
@@ -12,17 +14,16 @@ from math import ceil
 from .life import Life
 
 TOO_LONG = -2
-_MOST = 10_000_000
 _TOLERANCE = 1e-6
 
 
 class Continuous:
-    """Integrate in equal substeps no longer than `max_substep` [s]."""
+    """Integrate in equal substeps no longer than `max_substep` [s], `most` of them in a step."""
 
-    def __init__(self, library: ctypes.PyDLL, address: int, max_substep: float) -> None:
+    def __init__(self, library: ctypes.PyDLL, address: int, max_substep: float, most: int) -> None:
         self._advance = library.fmukit_advance
         self._address = address
-        self._max_substep = max_substep
+        self._max_substep, self._most = max_substep, most
         self._duration, self._count = max_substep, 1
 
     def start(self, period: float, seed: int) -> None:
@@ -33,7 +34,7 @@ class Continuous:
         if dt != self._duration:
             self._duration, self._count = dt, substeps(dt, self._max_substep)
         count = self._count
-        if count > _MOST:
+        if count > self._most:
             return TOO_LONG
         code: int = self._advance(self._address, dt / count, count)
         return code
@@ -44,11 +45,12 @@ class Sampled:
 
     The grid starts with the first step. It is laid on the host's time with a tolerance of 1e-6 period, so neither
     jitter nor the length of the host's steps changes the samples. Instants in a gap of the host's time (it carried on
-    after a discarded step) are skipped. A step whose samples cannot all be computed computes none.
+    after a discarded step) are skipped. A step whose samples cannot all be computed computes none, nor one of more than
+    `most` samples.
     """
 
-    def __init__(self, sample: Callable[[int, int, int, float], int], address: int, size: int) -> None:
-        self._sample = sample
+    def __init__(self, sample: Callable[[int, int, int, float], int], address: int, size: int, most: int) -> None:
+        self._sample, self._most = sample, most
         self._address, self._size = address, size
         self._period = 0.0
         self._seed = 0
@@ -62,7 +64,7 @@ class Sampled:
         period, origin = self._period, life.origin if life.anchored else t
         index = max(life.samples, ceil((t - origin) / period - _TOLERANCE))
         end = ceil((t + dt - origin) / period - _TOLERANCE)
-        if end - index > _MOST:
+        if end - index > self._most:
             return TOO_LONG
         code = 0
         if end > index + 1:

@@ -7,6 +7,7 @@ import gc
 import math
 import os
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -89,7 +90,7 @@ def test_unknown_and_mistyped_references(make: Make) -> None:
     _refused(instance, "seed is of type Integer")
 
 
-@pytest.mark.parametrize("size", [0.0, -1e-3, math.nan, math.inf])
+@pytest.mark.parametrize("size", [0.0, -1e-3, math.nan, math.inf, 1e300])
 def test_impossible_step(make: Make, size: float) -> None:
     instance = make("DemoSpring").initialise()
     before = instance["position"]
@@ -97,6 +98,18 @@ def test_impossible_step(make: Make, size: float) -> None:
     assert instance["position"] == before
     assert "is not possible" in instance.messages[0]
     assert instance.step(1e-3)
+
+
+@pytest.mark.parametrize(("model", "parts"), [("DemoSpring", "substeps"), ("DemoFilter", "samples")])
+@pytest.mark.parametrize("size", [1e4, 1e5, 1e9])
+def test_a_step_of_too_much_work_is_refused_at_once(make: Make, model: str, parts: str, size: float) -> None:
+    instance = make(model).initialise()
+    before = time.process_time()
+    assert not instance.step(size)
+    assert time.process_time() - before < 1.0
+    assert f"it takes more than 100000 {parts}; take shorter steps" in instance.messages[0]
+    assert instance.step(1e-3)
+    assert instance.step(10.0), "ten thousand are no work"
 
 
 def test_step_back_in_time(make: Make) -> None:
@@ -167,7 +180,7 @@ def test_null_pointer_is_not_a_text(make: Make) -> None:
 
 
 BAD_TABLES = {
-    "missing": (None, "cannot be read"),
+    "missing": (None, "cannot be read (No such file or directory); give the path"),
     "header": ("time,height\n0,1\n1,2\n", "must start with the line time,level"),
     "short": ("time,level\n0,1\n", "must have 2 to 6"),
     "long": ("time,level\n" + "".join(f"{k},1\n" for k in range(7)), "must have 2 to 6"),
