@@ -100,6 +100,10 @@ def _fitting(names: list[str], width: int) -> list[str]:
 def _readable(metric: Metric) -> tuple[str, str]:
     """Angles in degrees for the reader; the files keep SI."""
     value, unit, digits = metric.value, "" if metric.unit == "1" else metric.unit, 4
+    if not math.isfinite(value):
+        return "-", unit
+    if metric.words:
+        return metric.words[int(value)], unit
     if unit == "rad":
         value, unit, digits = math.degrees(value), "deg", 3
-    return f"{value:.{digits}f}" if math.isfinite(value) else "-", unit
+    return f"{value:.{0 if metric.whole else digits}f}", unit

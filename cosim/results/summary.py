@@ -48,8 +48,8 @@ class Summary:
     instances         what each instance did, by its name
     limits            what the scenario wants of its metrics, by what is wrong where it is not kept: `metric`, `value`,
                       `most`, `least`, and whether it was `kept` (null where the value is not known)
-    metrics           figures of the run by name; in the file the values stand under `metrics` (null for NaN) and their
-                      units under `units`
+    metrics           figures of the run by name; in the file the values stand under `metrics` (counts as integers,
+                      decisions as words, null for NaN) and their units under `units`
     """
 
     scenario: str
@@ -72,7 +72,7 @@ class Summary:
         plain = asdict(self) | {"unrecorded": list(self.unrecorded)}
         plain["provenance"] = self.provenance.data()
         plain["limits"] = {verdict.limit.words: _plain(verdict) for verdict in self.limits}
-        plain["metrics"] = {name: _finite(metric.value) for name, metric in self.metrics.items()}
+        plain["metrics"] = {name: metric.plain for name, metric in self.metrics.items()}
         return plain | {"units": {name: metric.unit for name, metric in self.metrics.items()}}
 
     def json(self) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 from cosim.errors import CosimError, unknown
 
 Settings = Mapping[str, Any]
-"""Values by the name of the setting: the text of a choice, the float of a number."""
+"""Values by the name of the setting: the text of a choice, the float of a number, the int of a whole one."""
 PREFIX = "scenario."
 
 
@@ -65,7 +65,7 @@ class NumberSetting:
             raise CosimError(f"{PREFIX}{name} = {number:g}{self._unit} is outside its range {self.offered}")
         if self.whole and number != round(number):
             raise CosimError(f"{PREFIX}{name} = {text!r} is not a whole number; give one in {self.offered}")
-        return number
+        return int(number) if self.whole else number
 
     @property
     def _unit(self) -> str:
@@ -79,7 +79,10 @@ def chosen(
 
     `offered` are the settings of the scenario named `owner`. Raises CosimError for one it does not offer.
     """
-    settings: dict[str, Any] = {name: setting.default for name, setting in offered.items()}
+    settings: dict[str, Any] = {
+        name: int(setting.default) if getattr(setting, "whole", False) else setting.default
+        for name, setting in offered.items()
+    }
     for name, text in assignments:
         if name.startswith(PREFIX):
             setting = offered.get(name.removeprefix(PREFIX))

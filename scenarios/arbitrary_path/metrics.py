@@ -10,7 +10,7 @@ import numpy as np
 from cosim.errors import CosimError
 from cosim.model.signals import Vector
 from cosim.results.reading import Results
-from cosim.scenario.metric import Metric, Metrics
+from cosim.scenario.metric import Metric, Metrics, count, truth
 from fmus.controllers.reference.interface import INTERFACE as REFERENCE
 from fmus.planner.receding.memory import BRAKED, PLANNING
 from scenarios.arbitrary_path.road import LaidRoad
@@ -32,11 +32,11 @@ def arbitrary_path_metrics(results: Results, laid: LaidRoad) -> Metrics:
         "final_time_planned": Metric(last(results, "plan.final_time") or math.nan, "s"),
         "optimum_time": Metric(best, "s"),
         "optimum_ratio": Metric(driven / best),
-        "problems": Metric(last(results, "problem.count")),
-        "problems_failed": Metric(last(results, "problem.failed")),
-        "fallbacks": Metric(last(results, "fallback.count")),
-        "planner_gave_up": Metric(float(last(results, "plan.phase") == BRAKED)),
-        "solver_iterations_max": Metric(peak(results.samples("planner", "solver.iterations"))),
+        "problems": count(last(results, "problem.count")),
+        "problems_failed": count(last(results, "problem.failed")),
+        "fallbacks": count(last(results, "fallback.count")),
+        "planner_gave_up": truth(last(results, "plan.phase") == BRAKED),
+        "solver_iterations_max": count(peak(results.samples("planner", "solver.iterations"))),
         "planned_ahead_min": Metric(planned_ahead(results), "s"),
         **joints(results),
         "corridor_violation_max": Metric(violation(results, laid, end), "m"),

@@ -8,8 +8,8 @@ import numpy as np
 
 from cosim.model.signals import Vector
 from cosim.results.reading import Results
-from cosim.scenario.metric import Metric, Metrics, in_unit
-from fmus.planner.evasion.decision import Decision
+from cosim.scenario.metric import Metric, Metrics, choice, in_unit, truth
+from fmus.planner.evasion.decision import ACTIONS, Decision
 from scenarios.collision_avoidance.evasion import Evasion
 from scenarios.collision_avoidance.geometry import clearance, passed, road_margin
 from scenarios.shared.mpc_metrics import solvers
@@ -38,14 +38,14 @@ def avoidance_metrics(results: Results, planned: Evasion) -> Metrics:
 
 
 def grounds(decided: Decision) -> Metrics:
-    """The `decision`, 0 brake, 1 steer, 2 brake and steer, 3 mitigate, and what it was made from."""
+    """The `decision` and what it was made from."""
     distances = {
         "distance_left": decided.left,
         "last_point_to_brake": decided.brake,
         "last_point_to_steer": decided.steer,
         "last_point_to_brake_and_steer": decided.brake_and_steer,
     }
-    return {"decision": Metric(float(decided.code)), **in_unit("m", distances)}
+    return {"decision": choice(decided.code, ACTIONS), **in_unit("m", distances)}
 
 
 def outcome(results: Results, planned: Evasion) -> Metrics:
@@ -61,7 +61,7 @@ def outcome(results: Results, planned: Evasion) -> Metrics:
     over = len(touched) > 0 or bool((speed < _STANDING).any()) or passed(results, planned)
     return {
         "clearance_min": Metric(float(gap.min()) if over else math.nan, "m"),
-        "impact": Metric(float(len(touched) > 0) if over else math.nan),
+        "impact": truth(len(touched) > 0 if over else math.nan),
         "impact_speed": Metric(float(speed[touched[0]]) if len(touched) else math.nan, "m/s"),
         "impact_speed_expected": Metric(planned.decision.impact, "m/s"),
         "stop_distance": Metric(_stop_distance(results, speed), "m"),

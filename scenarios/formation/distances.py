@@ -10,7 +10,7 @@ import numpy as np
 
 from cosim.model.signals import Vector
 from cosim.results.reading import Results
-from cosim.scenario.metric import Metric
+from cosim.scenario.metric import Metric, truth
 from fmus.planner.evasion.situation import Surroundings
 from scenarios.shared.rectangles import footprint, separation
 
@@ -35,7 +35,7 @@ def distance_metrics(results: Results, cars: Sequence[int]) -> dict[str, Metric]
     """`distance_min` [m] of any two cars and `collision`, 1 if two touched; NaN for a car alone."""
     least = smallest_distance(np.stack([_poses(results, car) for car in cars], axis=1), usual_outline())
     touched = math.nan if math.isnan(least) else float(least <= 0.0)
-    return {"distance_min": Metric(least, "m"), "collision": Metric(touched)}
+    return {"distance_min": Metric(least, "m"), "collision": truth(touched)}
 
 
 def usual_outline() -> Outline:

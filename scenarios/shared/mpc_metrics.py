@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cosim.results.reading import Results
-from cosim.scenario.metric import Metric, Metrics, in_unit
+from cosim.scenario.metric import Metric, Metrics, count, in_unit
 from scenarios.shared.statistics import largest, peak, rms
 from scenarios.shared.tracking_errors import tracking_errors
 
@@ -49,10 +49,10 @@ def residuals(results: Results) -> Metrics:
 
 def solvers(results: Results) -> Metrics:
     """Samples each solver did not solve, its iterations, and how often an earlier plan was followed."""
-    found: dict[str, float] = {}
+    found: dict[str, Metric] = {}
     for name, prefix in (("solver", "mpc"), ("allocation", "allocation")):
         status, iterations = (results.samples("mpc", f"{name}.{what}") for what in ("status", "iterations"))
-        found[f"{prefix}_unsolved"] = float(np.sum(status != SOLVED))
-        found[f"{prefix}_iterations_mean"] = float(np.mean(iterations))
-        found[f"{prefix}_iterations_max"] = peak(iterations)
-    return in_unit("1", found | {"fallback_count": peak(results.samples("mpc", "fallback.count"))})
+        found[f"{prefix}_unsolved"] = count(float(np.sum(status != SOLVED)))
+        found[f"{prefix}_iterations_mean"] = Metric(float(np.mean(iterations)))
+        found[f"{prefix}_iterations_max"] = count(peak(iterations))
+    return found | {"fallback_count": count(peak(results.samples("mpc", "fallback.count")))}

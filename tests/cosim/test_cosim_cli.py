@@ -17,7 +17,7 @@ from cosim.command.main import main
 from cosim.model.system import System
 from cosim.results.reading import Facts, load_results
 from cosim.scenario.limit import Limit
-from cosim.scenario.metric import Metric
+from cosim.scenario.metric import Metric, choice, count, truth
 from cosim.scenario.settings import NumberSetting, Setting
 
 SUMMARY = {
@@ -46,6 +46,9 @@ def measured(results, _prepared):
         "asked": Metric(results.settings["period"], "s"),
         "poured": Metric(results.number("first", "inflow")),
         "tilt": Metric(math.pi / 2, "rad"),
+        "spills": count(3.0),
+        "decided": choice(1, ("open", "close")),
+        "burst": truth(0.0),
     }
 
 
@@ -97,11 +100,21 @@ def test_a_run_writes_results_and_summary(cosim, tmp_path):
     for _ in range(100):
         levels.append(levels[-1] + 0.01 * (3.0 - levels[-1]))
     assert results["first.level"].tolist() == pytest.approx(levels, rel=1e-15)
-    assert summary["units"] == {"level_last": "m", "nothing": "1", "asked": "s", "poured": "1", "tilt": "rad"}
+    assert summary["units"] == {
+        "level_last": "m",
+        "nothing": "1",
+        "asked": "s",
+        "poured": "1",
+        "tilt": "rad",
+    } | dict.fromkeys(("spills", "decided", "burst"), "1")
     tilt = next(line.replace("│", "").split() for line in out.splitlines() if "tilt" in line)
     assert tilt == ["tilt", "90.000", "deg"], "degrees for the reader"
     known = {"nothing": None, "asked": 0.02, "poured": 3.0, "tilt": math.pi / 2}
-    assert summary["metrics"] == {"level_last": results["second.level"][-1], **known}
+    told = {"spills": 3, "decided": "close", "burst": False}
+    assert summary["metrics"] == {"level_last": results["second.level"][-1], **known, **told}
+    assert type(summary["metrics"]["spills"]) is int
+    rows = [line.replace("│", "").split() for line in out.splitlines()]
+    assert [row[1] for row in rows if row[:1] in (["spills"], ["decided"], ["burst"])] == ["3", "close", "no"]
 
 
 def test_a_run_says_what_it_was_made_of(cosim, tank, tmp_path):
