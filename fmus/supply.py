@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from fmukit.interface import Interface
 from fmukit.packaging.cached import cached
 from fmus import CATALOGUE
 
@@ -18,3 +19,8 @@ def names() -> list[str]:
 def file(name: str) -> Path:
     """The .fmu file of the model `name`; raises BuildError or OSError when it cannot be built or kept."""
     return cached(_COMPONENTS[name])
+
+
+def interface(name: str) -> Interface:
+    """What the model `name` shows, which needs no build."""
+    return _COMPONENTS[name].interface

@@ -41,7 +41,7 @@ def _table(scenarios: Sequence[Scenario]) -> Table:
     table = Table(header_style="bold")
     table.add_column("scenario", no_wrap=True)
     for column in ("what it is", "reproduces", "settings"):
-        table.add_column(column)
+        table.add_column(column, overflow="fold")
     for scenario in scenarios:
         settings = "\n".join(f"{name}={setting.offered}" for name, setting in scenario.settings.items())
         table.add_row(scenario.name, scenario.title, scenario.figures, settings)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -81,10 +82,9 @@ def run_command(
         )
         stop = stop_time if stop_time is not None else scenario.stop_time
         explainer = _explainer(to_stderr=as_json or quiet) if explain else lambda _plan: None
+        draw = (lambda _finished: None) if no_report else partial(_draw, file=target / OVERVIEW)
         with progress(stop, shown=not (quiet or as_json)) as update:
-            finished = run(request, explainer, update)
-        if not no_report:
-            _draw(finished, target / OVERVIEW)
+            finished = run(request, explainer, update, draw)
     if as_json:
         print(finished.summary.json())
     elif not quiet:

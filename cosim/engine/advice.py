@@ -11,15 +11,15 @@ _LOG = logging.getLogger("cosim")
 _NAMED = 3
 
 
-def pass_on(slaves: Mapping[str, Slave], before: Mapping[str, str] | None = None) -> dict[str, str]:
+def pass_on(slaves: Mapping[str, Slave], before: Mapping[str, str] | None = None, but: str = "") -> dict[str, str]:
     """Log the last sentence of each slave but those said `before`, once with the names of those that gave it.
 
-    Returns the sentences by slave.
+    What is told anyway, in the sentence `but`, is left out. Returns the sentences by slave.
     """
     last = {name: slave.message() for name, slave in slaves.items()}
     said: dict[str, list[str]] = {}
     for name, text in last.items():
-        if text and text != (before or {}).get(name):
+        if text and text != (before or {}).get(name) and text.rstrip(". ") not in but:
             said.setdefault(text, []).append(name)
     for text, names in said.items():
         _LOG.warning("%s: %s", _together(names), text)

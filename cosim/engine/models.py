@@ -1,6 +1,7 @@
 """Where models given by name come from: installed packages offer FMUs through the entry point group `cosim.models`.
 
-An entry names a module with two functions: `names()` gives the models it has, `file(name)` the .fmu file of one.
+An entry names a module with two functions: `names()` gives the models it has, `file(name)` the .fmu file of one. A
+third, `interface(name)`, may tell what can be set of one before its file is there.
 """
 
 from __future__ import annotations
@@ -10,6 +11,8 @@ from pathlib import Path
 from typing import Protocol
 
 from cosim.errors import CosimError, unknown
+from cosim.model.declared import declared_face
+from cosim.model.face import Face
 from fmukit.errors import BuildError, because
 from fmukit.store import cache_folder
 
@@ -33,6 +36,15 @@ def find(model: str) -> Path:
         if model in supplier.names():
             return _file(supplier, model)
     raise unknown("model", model, [name for supplier in suppliers for name in supplier.names()])
+
+
+def declared(model: str) -> Face | None:
+    """What can be set of a model, without its .fmu file; None where only the file tells."""
+    for entry in entry_points(group=GROUP):
+        supplier = _supplier(entry)
+        if hasattr(supplier, "interface") and model in supplier.names():
+            return declared_face(supplier.interface(model))
+    return None
 
 
 def _supplier(entry: EntryPoint) -> Supplier:

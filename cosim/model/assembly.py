@@ -10,7 +10,7 @@ from functools import partial
 from cosim.errors import CosimError, unknown
 from cosim.model.clock import SECOND, nanoseconds
 from cosim.model.configuration import LOOK, SAMPLE_PERIOD, Configuration, names, selected
-from cosim.model.face import TYPES, Face, Kind, Value
+from cosim.model.face import TYPES, Face, Kind, Port, Value
 from cosim.model.patterns import matches_any
 from cosim.model.system import Event, Instance, Link, Wire
 from cosim.model.transformation import AS_IT_IS, Transformation
@@ -160,17 +160,23 @@ def _connected(node: Node, input_: str) -> CosimError:
 
 def _schedule(node: Node, event: Event, name: str) -> None:
     """The event sets the input `name` of the node; of two at one time the later one counts."""
-    port = node.face.ports.get(name)
-    if port is None:
-        raise unknown(f"input of {node.name} ({node.face.model})", name, names(node.face, "input"), LOOK)
-    if port.causality != "input":
-        raise CosimError(f"{node.name}.{name} cannot change during the run: it is no input of {node.face.model}")
+    port = changing(node.name, node.face, name)
     if name in node.incoming:
         raise _connected(node, name)
     time = round(event.time * SECOND)
     due = -(-time // node.period) * node.period
     change = Change(time, due, name, coerce(event.signal, port, event.value), event.signal)
     node.changes = [other for other in node.changes if (other.time, other.variable) != (time, name)] + [change]
+
+
+def changing(instance: str, face: Face, name: str) -> Port:
+    """The input `name` of the instance, for a change during the run; raises CosimError where it is none."""
+    port = face.ports.get(name)
+    if port is None:
+        raise unknown(f"input of {instance} ({face.model})", name, names(face, "input"), LOOK)
+    if port.causality != "input":
+        raise CosimError(f"{instance}.{name} cannot change during the run: it is no input of {face.model}")
+    return port
 
 
 def _expand(wire: Wire, nodes: Mapping[str, Node]) -> list[Connection]:

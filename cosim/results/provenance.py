@@ -44,6 +44,8 @@ class Provenance:
     at        what was given by --at, as "time:instance.input=value"
     periods   what was given by --period, as "instance=seconds"
     values    parameters and inputs that start with another value than their FMU says, by "instance.variable"
+    seed      of all noise
+    stop      when the run was to end [s], None if that is not known
     scheme    "multirate" or "jacobi"
     step      the one communication step for all [s], None where each instance has its own
     models    the FMUs by the name of the model
@@ -55,6 +57,8 @@ class Provenance:
     at: Sequence[str] = ()
     periods: Sequence[str] = ()
     values: Mapping[str, Value] = field(default_factory=dict)
+    seed: int = 0
+    stop: float | None = None
     scheme: str = "multirate"
     step: float | None = None
     models: Mapping[str, Model] = field(default_factory=dict)
@@ -70,8 +74,11 @@ class Provenance:
 
     def text(self) -> str:
         """What the user chose, as the lines of a title; empty where nothing was."""
-        chosen = " ".join([*self.set, *(f"at {event}" for event in self.at)])
-        return lines_of_title(chosen)
+        chosen = [*self.set, *(f"at {event}" for event in self.at)]
+        chosen += [f"seed {self.seed}"] if self.seed else []
+        chosen += [f"scheme {self.scheme}"] if self.scheme != "multirate" else []
+        chosen += [f"step {self.step:g} s"] if self.step is not None else []
+        return lines_of_title(" ".join(chosen))
 
 
 def lines_of_title(text: str) -> str:

@@ -34,4 +34,9 @@ def claimed(folder: Path) -> Iterator[None]:
 
 def unwritable(folder: Path, error: OSError) -> CosimError:
     """Why nothing can be written into the folder."""
-    return CosimError(f"cannot write into {error.filename or folder}: {because(error)}")
+    place = error.filename or folder
+    if isinstance(error, FileExistsError | NotADirectoryError):
+        return CosimError(f"cannot write into {place}: there is a file in the place of a folder; give another one (-o)")
+    return CosimError(
+        f"cannot write into {place}: {because(error)}; remove what is in the way, or give another folder (-o)"
+    )

@@ -8,12 +8,14 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from cosim.engine.loader import Loader
+from cosim.engine.models import declared, find
 from cosim.engine.schedule import Schedule, schedule
 from cosim.errors import CosimError
-from cosim.model.assembly import Node, assemble, leave_out
+from cosim.model.assembly import Node, assemble, changing, leave_out
 from cosim.model.clock import SECOND, to_seconds
-from cosim.model.configuration import Configuration
+from cosim.model.configuration import Configuration, selected
 from cosim.model.system import System
+from cosim.model.values import coerce
 from cosim.results.provenance import Provenance
 from cosim.run.remarks import remarks
 from cosim.run.request import Request
@@ -65,8 +67,22 @@ def configured(request: Request, loader: Loader) -> Configured:
     work = request.scenario.work()
     prepared = work.prepare(settings)
     system = requested(work.build(settings, prepared), request)
+    if request.find is find:
+        _check_declared(system)
     configuration = Configuration(system, loader.faces(system))
     return Configured(work, settings, configuration, work.complete(configuration, prepared))
+
+
+def _check_declared(system: System) -> None:
+    """Raises CosimError for what cannot be set of models whose declaration is known, before any of them is built."""
+    faces = {name: declared(instance.model) for name, instance in system.instances.items()}
+    known = {name: face for name, face in faces.items() if face is not None}
+    if len(known) < len(faces):
+        return
+    Configuration(system, known)
+    for event in system.events:
+        for name, variable in selected(system, known, event.signal, ("input",)):
+            coerce(event.signal, changing(name, known[name], variable), event.value)
 
 
 def requested(system: System, request: Request) -> System:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Mapping
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -71,17 +71,22 @@ def run(
     request: Request,
     explain: Callable[[RunPlan], None] = lambda _plan: None,
     progress: Progress = lambda _time: None,
+    conclude: Callable[[Finished], None] = lambda _finished: None,
 ) -> Finished:
     """Run the scenario into its folder. Mistakes of the user raise CosimError before anything runs.
 
-    A slave that fails or an interrupt end the run with that status; what was recorded until then is kept.
+    A slave that fails or an interrupt end the run with that status; what was recorded until then is kept. `conclude` is
+    called when the FMUs are gone and the folder still belongs to this run.
     """
-    with Loader(request.find, request.isolate_timeout) as loader:
-        made = plan(request, loader)
-        explain(made)
-        with claimed(request.folder):
+    with ExitStack() as claim:
+        with Loader(request.find, request.isolate_timeout) as loader:
+            made = plan(request, loader)
+            explain(made)
+            claim.enter_context(claimed(request.folder))
             outcome = execute(made, lambda: loader.slaves(made.nodes), progress)
-            return _concluded(made, outcome)
+        finished = _concluded(made, outcome)
+        conclude(finished)
+    return finished
 
 
 def execute(made: RunPlan, load: Load, progress: Progress = lambda _time: None) -> Outcome:
@@ -90,20 +95,20 @@ def execute(made: RunPlan, load: Load, progress: Progress = lambda _time: None) 
         slaves, lost = _loaded(load)
         master = Master(made.nodes, made.schedule, slaves)
         recorder = _recorder(made, master)
+        said: Mapping[str, str] = {}
         try:
             if lost:
                 raise lost
             master.initialise()
             said = pass_on(slaves)
             outcome = master.run(made.request.stop, recorder, partial(_kept, recorder, progress), interrupted)
-            if outcome.status == "ok":
-                pass_on(slaves, said)
         except SlaveError as failure:
             outcome = Outcome("failed", failure.sentence("at initialisation"), 0, 0, {}, {})
         except BaseException:
             with suppress(OSError):
                 recorder.close()
             raise
+        pass_on(slaves, said, but=outcome.reason)
         return _closed(recorder, outcome)
 
 

@@ -7,6 +7,7 @@ from hashlib import sha256
 from pathlib import Path
 
 from cosim.model.assembly import Node
+from cosim.model.clock import to_seconds
 from cosim.model.face import Value
 from cosim.results.provenance import Model, Provenance, versions
 from cosim.run.request import Request
@@ -24,6 +25,8 @@ def provenance(
         at=[f"{time:g}:{signal}={value}" for time, signal, value in request.events],
         values=dict(_changed(nodes)),
         periods=[f"{pattern}={period!r}" for pattern, period in request.periods],
+        seed=request.seed,
+        stop=to_seconds(request.stop),
         scheme=request.scheme,
         step=request.step,
         models={

@@ -14,8 +14,10 @@ from cosim_mocks import scenario_of
 from pyarrow import parquet
 
 from cosim.command.main import main
+from cosim.errors import CosimError
 from cosim.model.system import System
 from cosim.results.reading import Facts, load_results
+from cosim.run.claim import claimed
 from cosim.scenario.limit import Limit
 from cosim.scenario.metric import Metric, choice, count, truth
 from cosim.scenario.settings import NumberSetting, Setting
@@ -126,6 +128,7 @@ def test_a_run_says_what_it_was_made_of(cosim, tank, tmp_path):
     assert summary["command"].split()[1:] == [*line, "--seed", "4", "--quiet", "-o", str(tmp_path / "a")]
     assert (made["settings"], made["at"]) == ({"source": "good", "period": 0.05}, ["0.5:first.inflow=1"])
     assert made["set"] == ["first.inflow=3", "scenario.period=0.05"]
+    assert (made["seed"], made["stop"], made["scheme"], made["step"]) == (4, 1.0, "multirate", None)
     assert made["values"].keys() == {"first.inflow", "first.seed", "second.seed"}
     assert made["models"]["Tank"]["sha256"] == hashlib.sha256(tank.read_bytes()).hexdigest()
     assert made["versions"]["fmpy"] == metadata.version("fmpy")
@@ -264,22 +267,76 @@ def test_the_same_seed_gives_the_same_bytes(cosim, tmp_path):
         (["run"], "Missing argument 'name'; `cosim --help` shows what there is"),
         (["run", "tanks", "--seed", "two"], "Invalid value for '--seed'"),
         (["run", "tanks", "--colour"], "No such option: --colour"),
+        (["run", "tanks", "extra"], "Got unexpected extra argument"),
+        (["run", "no-such-file.toml"], "no-such-file.toml"),
+        (["run", "tanks", "--set", "first.inflow"], "cannot read 'first.inflow'; write --set instance.variable=value"),
+        (["run", "tanks", "--set", "inflow=1"], "cannot read 'inflow=1'; write --set instance.variable=value"),
+        (["run", "tanks", "--set", "first.inflow=much"], "first.inflow = much is not a number"),
+        (["run", "tanks", "--set", "first.seed=1.5"], "first.seed = 1.5 is not a whole number"),
+        (["run", "tanks", "--set", "second.inflow=1"], "second.inflow cannot be set, as it is connected: first.level"),
+        (["run", "tanks", "--set", "third*.inflow=1"], "no instance fits the pattern 'third*.inflow'"),
+        (["run", "tanks", "--at", "first.inflow=1"], "write --at time:instance.variable=value"),
+        (["run", "tanks", "--at", "5:first.inflow=1"], "the run ends at 1 s"),
+        (["run", "tanks", "--at", "1e300:first.inflow=1"], "give a time from 0 to 1e+09 s"),
+        (["run", "tanks", "--at", "0.5:first.fail_at=1"], "cannot change during the run: it is no input"),
+        (["run", "tanks", "--step", "1e-10"], "the common step is 1e-10 s, which is not a whole number of nanoseconds"),
+        (["run", "tanks", "--stop-time", "1e200"], "the stop time is 1e+200 s; it must be at most 1e+09 s"),
+        (["run", "tanks", "--record-every", "nan"], "the time between two recorded rows is nan s"),
+        (["run", "tanks", "--scheme", "gauss"], "Invalid value for '--scheme'"),
+        (["run", "tanks", "--isolate", "thrid"], "unknown instance 'thrid'"),
+        (["run", "tanks", "--isolate", "all", "--isolate-timeout", "0"], "the time-out of isolated instances is 0 s"),
     ],
 )
-def test_mistakes_are_one_sentence(cosim, tmp_path, args, sentence):
+def test_a_newcomers_mistakes_are_one_sentence_and_touch_nothing(cosim, tmp_path, args, sentence):
     code, out, err = cosim(*args, "-o", str(tmp_path / "r"))
     assert code == 2
     assert out == ""
     assert err.startswith("cosim: ")
     assert err.count("\n") == 1
     assert sentence in err
+    assert not (tmp_path / "r").exists()
 
 
-def test_an_unwritable_folder(cosim, tmp_path):
-    (tmp_path / "file").write_text("")
-    code, _, err = cosim("run", "tanks", "-o", str(tmp_path / "file" / "r"))
-    assert (code, err.count("\n")) == (2, 1)
-    assert "cannot write into" in err
+@pytest.mark.parametrize("place", ["file", "file/r"])
+def test_a_file_in_the_place_of_a_folder(cosim, tmp_path, place):
+    (tmp_path / "file").write_text("kept")
+    code, _, err = cosim("run", "tanks", "-o", str(tmp_path / place))
+    where = f"cannot write into {tmp_path / place}"
+    assert (code, err) == (2, f"cosim: {where}: there is a file in the place of a folder; give another one (-o)\n")
+    assert (tmp_path / "file").read_text() == "kept"
+
+
+def test_what_cannot_be_set_is_told_before_anything_is_built(cosim, monkeypatch, tmp_path):
+    """A model whose declaration is known needs no .fmu file for that."""
+    monkeypatch.setattr("fmus.supply.cached", lambda _component: pytest.fail("it is built"))
+    for option, value, sentence in (
+        ("--set", "llc.suspension.enabld=1", "unknown variable of llc (LowLevelPid) 'suspension.enabld'; did you mean"),
+        ("--set", "plant.body.mass=-1", "plant.body.mass = -1 kg is outside its range"),
+        ("--at", "1:plant.body_frce.y=1", "unknown input of plant (Vehicle16Dof) 'body_frce.y'; did you mean"),
+        ("--at", "1:plant.body_force.y=x", "plant.body_force.y = x is not a number"),
+    ):
+        code, _, err = cosim("run", "lateral-tracking", option, value, "-o", str(tmp_path / "r"))
+        assert (code, err.count("\n")) == (2, 1)
+        assert sentence in err
+
+
+def test_no_choice_is_cut_from_the_list(cosim, monkeypatch):
+    for width in ("60", "80", "120"):
+        monkeypatch.setenv("COLUMNS", width)
+        assert "…" not in cosim("list")[1]
+
+
+def test_the_picture_is_drawn_while_the_folder_is_held(cosim, monkeypatch, tmp_path):
+    seen = []
+
+    def draw(finished, file):
+        with pytest.raises(CosimError, match="another run is writing"), claimed(file.parent):
+            pass
+        seen.append(file.name)
+
+    monkeypatch.setattr("cosim.run.running.Finished.draw", draw)
+    assert cosim("run", "tanks", "-o", str(tmp_path), "--quiet")[0] == 0
+    assert seen == ["overview.png"]
 
 
 def test_a_discard_keeps_the_results_so_far(cosim, tmp_path):

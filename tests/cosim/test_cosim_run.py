@@ -168,6 +168,24 @@ def test_warnings_at_initialisation_are_passed_on_once_each(tmp_path, caplog):
     assert caplog.messages == ["car1, car2, car3 and 2 more: the gain is 5 % too large"]
 
 
+def test_warnings_of_a_run_that_failed_are_passed_on_too(tmp_path, caplog):
+    """But not what is told anyway as the reason."""
+    system, mocks = System(), {}
+    for name in ("one", "two"):
+        system.add(name, "Mock")
+        mocks[name] = Mock(face({}, {"y": "m"}, step=0.1), lambda t, h, u: {"y": t})
+
+    def step(time, length, inputs):
+        mocks["one"].reason, mocks["two"].reason = "the tyre is hot", "the tank is empty."
+        return 3 if time > 0.5 else {"y": time}
+
+    mocks["two"] = Mock(face({}, {"y": "m"}, step=0.1), step)
+    with caplog.at_level("WARNING", "cosim"):
+        outcome = execute(plan_of(system, mocks, tmp_path), lambda: mocks)
+    assert outcome.reason == "two failed at 0.6 s (error): the tank is empty"
+    assert caplog.messages == ["one: the tyre is hot"]
+
+
 def test_two_runs_in_one_process_do_not_see_each_others_messages(tank, tmp_path):
     """Both have an instance of the same name; only one of them has something to complain of."""
     slaves = []
