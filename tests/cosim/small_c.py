@@ -48,13 +48,14 @@ _HEAD = """#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #define API __attribute__((visibility("default")))
-typedef struct { double r[16]; int i[16], steps; char name[64]; } Instance;
+typedef struct { double r[16]; int i[16], steps; char name[64], where[1024]; } Instance;
 static double shared;
 API const char *fmi2GetTypesPlatform(void) { return "default"; }
 API const char *fmi2GetVersion(void) { return "2.0"; }
 API void *fmi2Instantiate(const char *name, int kind, const char *guid, const char *where, void *host, int v, int l) {
   Instance *m = calloc(1, sizeof *m);
   snprintf(m->name, sizeof m->name, "%s", name);
+  snprintf(m->where, sizeof m->where, "%s", strncmp(where, "file://", 7) ? where : where + 7);
   return m;
 }
 """
@@ -87,12 +88,13 @@ def foreign(
     units: str = "",
     types: str = "",
     experiment: str = EXPERIMENT,
+    resources: Mapping[str, bytes] | None = None,
 ) -> Path:
     """The FMU `file`; `calls` gives C statements for calls that do more than keep values (`m` is the instance)."""
     source, library = file.with_suffix(".c"), file.with_suffix(".so")
     source.write_text(_source(dict(calls or {})))
-    options = ["-std=gnu11", "-O1", "-w", "-shared", "-fPIC", "-fvisibility=hidden"]
-    subprocess.run(["cc", *options, "-o", str(library), str(source)], check=True)
+    options = ["-std=gnu11", "-O1", "-ffp-contract=off", "-w", "-shared", "-fPIC", "-fvisibility=hidden"]
+    subprocess.run(["cc", *options, "-o", str(library), str(source), "-lm"], check=True)
     outputs = [index for index, text in enumerate(variables, start=1) if 'causality="output"' in text]
     description = _DESCRIPTION.format(
         flags=flags,
@@ -105,6 +107,8 @@ def foreign(
     with zipfile.ZipFile(file, "w") as archive:
         archive.writestr("modelDescription.xml", description)
         archive.write(library, f"binaries/{platform}/foreign{sharedLibraryExtension}")
+        for name, data in (resources or {}).items():
+            archive.writestr(f"resources/{name}", data)
     return file
 
 

@@ -15,10 +15,10 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
 MEMORY = 2000  # bytes per life
 
 
-def lives(folder: Path, cycles: int, temporary: Path) -> dict[str, int]:
+def lives(folder: Path, cycles: int, temporary: Path, kind: str = "good") -> dict[str, int]:
     """What `cycles` lives left behind."""
     done = subprocess.run(
-        [sys.executable, "endurance_worker.py", str(folder), str(cycles)],
+        [sys.executable, "endurance_worker.py", str(folder), str(cycles), kind],
         cwd=Path(__file__).parent,
         env={**os.environ, "TMPDIR": str(temporary)},
         capture_output=True,
@@ -44,6 +44,17 @@ def test_three_hundred_lives_of_the_plant(unzipped: dict[str, Path], tmp_path: P
 @pytest.mark.nightly
 def test_two_thousand_lives_of_the_plant(unzipped: dict[str, Path], tmp_path: Path) -> None:
     check(lives(unzipped["Vehicle16Dof"], 2000, tmp_path), 2000)
+
+
+@pytest.mark.parametrize("name", ["Vehicle16Dof", "NavigationFilter"])
+def test_three_hundred_mixed_lives(unzipped: dict[str, Path], tmp_path: Path, name: str) -> None:
+    check(lives(unzipped[name], 300, tmp_path, "mixed"), 300, heap=300_000)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", ["Vehicle16Dof", "NavigationFilter"])
+def test_ten_thousand_mixed_lives(unzipped: dict[str, Path], tmp_path: Path, name: str) -> None:
+    check(lives(unzipped[name], 10_000, tmp_path, "mixed"), 10_000)
 
 
 def test_a_leak_would_be_seen(unzipped: dict[str, Path], tmp_path: Path) -> None:
