@@ -75,7 +75,10 @@ def configured(request: Request, loader: Loader) -> Configured:
 
 def _check_declared(system: System) -> None:
     """Raises CosimError for what cannot be set of models whose declaration is known, before any of them is built."""
-    faces = {name: declared(instance.model) for name, instance in system.instances.items()}
+    own = system.files  # models that the system brings along, whatever their names
+    faces = {
+        name: None if instance.model in own else declared(instance.model) for name, instance in system.instances.items()
+    }
     known = {name: face for name, face in faces.items() if face is not None}
     if len(known) < len(faces):
         return
