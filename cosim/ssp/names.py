@@ -1,9 +1,9 @@
-"""Names of files in an archive, and the URIs that refer to them."""
+"""Names of files in an archive, the URIs that refer to them, and names that every tool takes."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Container
+from collections.abc import Container, Iterable
 from urllib.parse import quote
 
 _UNSAFE = re.compile(r"[^\w.+#%@=,()\[\] -]|^\.+|\.+$")
@@ -25,3 +25,17 @@ def free_name(stem: str, suffix: str, taken: Container[str]) -> str:
 def uri(member: str) -> str:
     """The URI reference of a member of the archive, relative to its root (RFC 3986, as SSP 1.0 asks of `source`)."""
     return quote(member)
+
+
+def identifiers(names: Iterable[str]) -> dict[str, str]:
+    """An identifier for each name, all different: OMSimulator takes no dots and hyphens in names of elements."""
+    found: dict[str, str] = {}
+    for name in names:
+        plain = re.sub(r"[^A-Za-z0-9_]", "_", name)
+        plain = plain if re.match(r"[A-Za-z]", plain) else f"x{plain}"
+        made, number = plain, 1
+        while made in found.values():
+            number += 1
+            made = f"{plain}_{number}"
+        found[name] = made
+    return found

@@ -16,9 +16,13 @@ from cosim.model.system import System
 from cosim.run.request import Request
 from cosim.scenario.discovery import load
 from cosim.scenario.settings import chosen
-from cosim.ssp.export import SSC, SSD, SSV, Model, export, structure, values
+from cosim.ssp.export import export
+from cosim.ssp.names import identifiers
+from cosim.ssp.namespaces import PREFIXES, SSV
+from cosim.ssp.packing import Model
+from cosim.ssp.writing import Outline, structure, values
 
-NAMES = {"ssd": SSD, "ssc": SSC, "ssv": SSV}
+NAMES = PREFIXES
 
 
 def valid(document: bytes, schema: str) -> etree._Element:
@@ -53,7 +57,8 @@ def nodes():
 def root(nodes):
     models = {name: Model(Path("Mock.fmu"), "Mock.fmu") for name in nodes}
     sets = {"car1.sensor": "resources/car1.sensor.ssv"}
-    return valid(structure("mocked & checked", nodes, models, sets, 3.0), "SystemStructureDescription.xsd")
+    outline = Outline("mocked & checked", nodes, models, sets, identifiers(nodes), 3_000_000_000)
+    return valid(structure(outline), "SystemStructureDescription.xsd")
 
 
 def test_conversions_are_written_out(root):
@@ -75,15 +80,19 @@ def test_every_unit_of_a_connector_is_defined(root):
 
 def test_components_connectors_and_periods(root):
     component = root.findall(".//ssd:Component", NAMES)
-    assert [c.get("name") for c in component] == ["car1.sensor", "heater"]
+    assert [c.get("name") for c in component] == ["car1_sensor", "heater"]
     kinds = [(c.get("name"), c.get("kind")) for c in component[0].findall(".//ssd:Connector", NAMES)]
     assert kinds == [("t", "output"), ("d", "output")]
-    assert component[1].find(".//ssc:Annotation", NAMES)[0].get("period") == "0.02"
+    told = [dict(instance.attrib) for instance in root.iterfind(".//cosim:Instance", NAMES)]
+    assert told == [
+        {"element": "car1_sensor", "name": "car1.sensor", "period": "0.01", "kind": "sampled"},
+        {"element": "heater", "period": "0.02", "kind": "sampled"},
+    ]
     assert root.find("ssd:DefaultExperiment", NAMES).get("stopTime") == "3.0"
 
 
 def test_all_events_are_in_one_annotation(root):
-    events = root.findall("ssd:System/ssd:Annotations/ssc:Annotation", NAMES)[0][0]
+    events = root.findall("ssd:System/ssd:Annotations/ssc:Annotation/cosim:System/cosim:Event", NAMES)
     assert [(event.get("time"), event.get("value")) for event in events] == [("1.0", "2.0"), ("2.0", "3.0")]
 
 
