@@ -1,6 +1,7 @@
 """Instances in processes of their own: the same results, and a run that outlives whatever happens in them."""
 
 import os
+import re
 import subprocess
 import sys
 import time
@@ -101,6 +102,33 @@ def test_a_library_that_ends_the_process_when_it_is_loaded(tmp_path):
         "a failed at initialisation (crash): its process ended with status 7 in fmi2Instantiate"
     )
     assert len(finished.results.time) == 0
+
+
+_EVERY_FILE = "for (int fd = 0; fd < 64; ++fd)"
+
+
+@pytest.mark.parametrize(
+    ("deed", "reason"),
+    [
+        ("ftruncate(fd, 0);", ""),
+        ("close(fd);", "its process ended with status 0 in CALL"),
+        (
+            'write(fd, "\\x42\\xff\\xff\\xff\\xff", 5);',
+            "its process gave an answer that is none in CALL, and was ended",
+        ),
+        ('write(fd, "\\x40\\4\\0\\0\\0null", 9);', "its process gave an answer that is none in CALL, and was ended"),
+    ],
+    ids=["shorter files", "closed files", "too long an answer", "no answer at all"],
+)
+def test_what_it_does_to_every_file_it_has_ends_nobody_else(tmp_path, deed, reason, capfd):
+    """The socket and the memory are among them."""
+    declared = "extern int ftruncate(int, long), close(int); extern long write(int, const void *, size_t);"
+    file = foreign(tmp_path / "f.fmu", [U, Y], {"fmi2DoStep": declared + only_in_a(f"{_EVERY_FILE} {deed}")})
+    finished = ran(file, tmp_path / "out", timeout=5.0)
+    assert finished.summary.status == ("failed" if reason else "ok")
+    told = re.sub("in fmi2(DoStep|GetReal|SetReal)", "in CALL", finished.summary.reason)  # it goes on meanwhile
+    assert told == (f"a failed at 0.5 s (crash): {reason}" if reason else "")
+    assert "Traceback" not in capfd.readouterr().err
 
 
 def test_what_it_prints_or_closes_does_no_harm(tmp_path, capfd):

@@ -12,6 +12,7 @@ import mmap
 import os
 import socket
 import struct
+import sys
 import tempfile
 from typing import Any
 
@@ -30,13 +31,24 @@ _HEAD = 3
 
 
 class Cut(Exception):  # noqa: N818  (what happened to the other side)
-    """The other side has closed the channel, or said nothing in time."""
+    """The other side has closed the channel."""
+
+
+class Garbled(Exception):  # noqa: N818
+    """What the other side has said is no answer."""
 
 
 def memory_file() -> int:
-    """The descriptor of an empty file without a name."""
-    if hasattr(os, "memfd_create"):
-        return os.memfd_create("cosim", 0)
+    """The descriptor of an empty file without a name, which on Linux can only grow.
+
+    Who touches mapped memory whose file has become shorter is ended by the system; an FMU must not do that to others.
+    """
+    if sys.platform == "linux":
+        import fcntl  # noqa: PLC0415  (not on every platform)
+
+        descriptor = os.memfd_create("cosim", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
+        fcntl.fcntl(descriptor, fcntl.F_ADD_SEALS, fcntl.F_SEAL_SHRINK)
+        return descriptor
     with tempfile.TemporaryFile() as file:
         return os.dup(file.fileno())
 
@@ -60,10 +72,10 @@ def send(to: socket.socket, head: bytes, payload: bytes) -> None:
 
 
 def receive(source: socket.socket) -> bytes:
-    """The payload of a message whose first byte has been read; raises Cut."""
+    """The payload of a message whose first byte has been read; raises Cut or Garbled."""
     (length,) = _LENGTH.unpack(_exactly(source, _LENGTH.size))
     if length > MOST:
-        raise Cut
+        raise Garbled
     return _exactly(source, length)
 
 
@@ -73,13 +85,13 @@ def answer(to: socket.socket, status: int, more: dict[str, Any]) -> None:
 
 
 def more_of(source: socket.socket) -> dict[str, Any]:
-    """What follows a status with MORE; raises Cut for what cannot be an answer."""
+    """What follows a status with MORE; raises Cut or Garbled."""
     try:
         found = json.loads(receive(source))
     except ValueError:
-        raise Cut from None
+        raise Garbled from None
     if not isinstance(found, dict):
-        raise Cut
+        raise Garbled
     return found
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import cosim
-from cosim.engine.isolation.channel import CALLS, CONTROL, MORE, Cut, Shared, memory_file, more_of, send
+from cosim.engine.isolation.channel import CALLS, CONTROL, MORE, Cut, Garbled, Shared, memory_file, more_of, send
 from cosim.engine.slave import CRASH, HANG
 from cosim.errors import CosimError
 from fmukit.errors import because
@@ -52,14 +52,11 @@ class Process:
         try:
             channel.send(kind)
             found = channel.recv(1)
-            if not found:
-                raise Cut
-            status = found[0]
-            return (status, {}) if status < MORE else (status - MORE, more_of(channel))
-        except BlockingIOError:
-            return self._hung("")
-        except (OSError, Cut):
-            return self._crashed("")
+            if found and found[0] < MORE:
+                return found[0], {}
+            return self._rest(found)
+        except (OSError, Cut, Garbled) as error:
+            return self._lost(error, "")
 
     def control(self, name: str, *arguments: Any, told: str = "") -> tuple[int, dict[str, Any]]:
         """As `call`, with arguments; `told` is what the call is called in a sentence."""
@@ -67,14 +64,17 @@ class Process:
             return CRASH, {}
         try:
             send(self._channel, CONTROL, pickle.dumps((name, arguments)))
-            found = self._channel.recv(1)
-            if not found:
-                raise Cut
-            return found[0] & ~MORE, more_of(self._channel)
-        except BlockingIOError:
-            return self._hung(told)
-        except (OSError, Cut):
-            return self._crashed(told)
+            return self._rest(self._channel.recv(1))
+        except (OSError, Cut, Garbled) as error:
+            return self._lost(error, told)
+
+    def _rest(self, found: bytes) -> tuple[int, dict[str, Any]]:
+        """The answer whose first byte is found."""
+        if not found:
+            raise Cut
+        if found[0] < MORE:
+            raise Garbled
+        return found[0] - MORE, more_of(self._channel)
 
     def close(self) -> None:
         """Free the instance if it still answers, and end the process with all that it started."""
@@ -89,17 +89,20 @@ class Process:
         with suppress(OSError):
             os.close(self._descriptor)
 
-    def _hung(self, told: str) -> tuple[int, dict[str, Any]]:
+    def _lost(self, error: Exception, told: str) -> tuple[int, dict[str, Any]]:
+        """What became of the process: it does not answer in time, answers nonsense, or has ended."""
         call = self._under_way(told)
-        self._guarded.end()
-        late = f"{call} did not return within {self.timeout:g} s"
-        self.lost = f"{late}, so its process was ended; `--isolate-timeout` gives it longer"
-        return HANG, {}
-
-    def _crashed(self, told: str) -> tuple[int, dict[str, Any]]:
-        call = self._under_way(told)
-        ending = self._guarded.wait(_GRACE) or self._guarded.end()
-        self.lost = f"its process {ending.words(_LIMITS)} in {call}"
+        if isinstance(error, BlockingIOError):
+            self._guarded.end()
+            late = f"{call} did not return within {self.timeout:g} s"
+            self.lost = f"{late}, so its process was ended; `--isolate-timeout` gives it longer"
+            return HANG, {}
+        if isinstance(error, Garbled):
+            self._guarded.end()
+            self.lost = f"its process gave an answer that is none in {call}, and was ended"
+        else:
+            ending = self._guarded.wait(_GRACE) or self._guarded.end()
+            self.lost = f"its process {ending.words(_LIMITS)} in {call}"
         return CRASH, {}
 
     def _under_way(self, told: str) -> str:

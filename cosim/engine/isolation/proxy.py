@@ -11,7 +11,7 @@ import numpy as np
 from cosim.engine.fmu import Library
 from cosim.engine.isolation.channel import EXCHANGE, GET, SET
 from cosim.engine.isolation.process import Process
-from cosim.engine.slave import OK, WARNING, Calls, Memory, SlaveError
+from cosim.engine.slave import ERROR, OK, WARNING, Calls, Memory, SlaveError
 from cosim.errors import CosimError
 from cosim.model.face import Value
 
@@ -74,7 +74,11 @@ class IsolatedSlave:
         return Calls(set_, step, get)
 
     def save(self) -> bytes:
-        return base64.b64decode(self._control("fmi2SerializeFMUstate", "save") or "")
+        text = str(self._control("fmi2SerializeFMUstate", "save"))
+        try:
+            return base64.b64decode(text, validate=True)
+        except ValueError:
+            raise SlaveError(self._name, ERROR, "its process gave bytes that are no state") from None
 
     def restore(self, data: bytes) -> None:
         self._control("fmi2SetFMUstate", "restore", data)

@@ -99,6 +99,8 @@ class Server:
             answer(self._channel, error.status, {"refused": True} | self._news(error.message))
         except CosimError as error:
             answer(self._channel, _REFUSED, {"mistake": str(error)})
+        except Exception as error:  # such as a library without one of the functions
+            answer(self._channel, _REFUSED, {"mistake": f"{type(error).__name__}: {error}"})
         else:
             answer(self._channel, OK, {"value": value} | self._news(self._slave.message()))
 
@@ -141,7 +143,7 @@ def main() -> None:
     """Serve, then end without asking the libraries of the FMU, some of which cannot leave in peace."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the master decides what an interrupt means
     channel, descriptor = map(int, sys.argv[1:])
-    with suppress(ConnectionError), socket.socket(fileno=channel) as open_channel:
+    with suppress(OSError), socket.socket(fileno=channel) as open_channel:
         Server(open_channel, descriptor).serve()
     with suppress(OSError, ValueError):
         sys.stdout.flush()
