@@ -1,6 +1,7 @@
 """Annotations of an exported system: OMSimulator's, without which it opens no SSP, and ours, read by `annotations`.
 
-OMSimulator looks at the first annotation of a system only, and refuses any in a component.
+OMSimulator looks at the first annotation of a system only, and refuses any in a component. Its program wants an element
+for the master; its Python interface takes the solver of the name it gives to co-simulation FMUs without one.
 """
 
 from __future__ import annotations
@@ -25,9 +26,12 @@ def annotate(
     """Add both annotations to the System; `elements` are names of components by instance, times in ns."""
     annotations = ET.SubElement(system, f"{{{SSD}}}Annotations")
     foreign = ET.SubElement(annotations, f"{{{SSC}}}Annotation", type="org.openmodelica")
-    information = ET.SubElement(ET.SubElement(foreign, f"{{{OMS}}}Annotations"), f"{{{OMS}}}SimulationInformation")
-    master = {"description": "oms-ma", "stepSize": repr(to_seconds(tick)), "relativeTolerance": "0.0001"}
-    ET.SubElement(information, f"{{{OMS}}}FixedStepMaster", master | {"absoluteTolerance": "0.0001"})
+    step, tolerance = repr(to_seconds(tick)), {"relativeTolerance": "0.0001"}
+    solver = {"name": "oms_ma_default", "method": "oms_ma", "fixedStepSize": step} | tolerance
+    both = ET.SubElement(foreign, f"{{{OMS}}}Annotations")
+    information = ET.SubElement(both, f"{{{OMS}}}SimulationInformation", solver)
+    master = {"description": "oms-ma", "stepSize": step, "absoluteTolerance": "0.0001"} | tolerance
+    ET.SubElement(information, f"{{{OMS}}}FixedStepMaster", master)
     ours = ET.SubElement(annotations, f"{{{SSC}}}Annotation", type="cosim")
     root = ET.SubElement(ours, f"{{{COSIM}}}System")  # an annotation holds one element
     if interval:

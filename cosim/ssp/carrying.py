@@ -86,13 +86,13 @@ def _converted(
     """With the conversion into the unit `target`, and the unit thereafter.
 
     A file of SSP does not say of a unit whether it is one of differences: what it has `declared` is one where the FMU
-    says so.
+    says so. One that it does not define is that of the FMU.
     """
     if unit is None or target is None:
         return made, target or unit
     if declared:
         target = replace(target, relative=unit.relative)
-    return made.then(conversion(unit, target, where)), target
+    return made.then(conversion(unit, target, where)), unit if target.exponents is None else target
 
 
 def _changed(made: Transformation, change: Change | None, here: Items, there: Items, where: str) -> Transformation:

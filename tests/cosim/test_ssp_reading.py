@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import shutil
 import zipfile
 from pathlib import Path
@@ -176,6 +177,15 @@ def test_units_of_connections(tmp_path: Path, giving: str, taking: str, connecti
         component("b", "rad.fmu", f"u=input{taking}"),
     )
     assert run_of(tmp_path, both + connections(f"a.y b.u {connection}"), "b.y") == pytest.approx(expected)
+
+
+def test_a_unit_that_the_file_does_not_define_is_that_of_the_fmu(tmp_path: Path) -> None:
+    gain(tmp_path / "deg.fmu", output_unit="deg")
+    gain(tmp_path / "rad.fmu", input_unit="rad")
+    both = elements(component("a", "deg.fmu", "y=output:deg"), component("b", "rad.fmu", "u=input:rad"))
+    text = re.sub("<ssd:Units>.*</ssd:Units>", "", ssd(both + connections("a.y b.u")))
+    (tmp_path / "test.ssd").write_text(text)
+    assert last(tmp_path / "test.ssd", tmp_path / "out", "b.y") == pytest.approx(DEGREE)
 
 
 def test_a_unit_passes_a_connector_without_one(tmp_path: Path) -> None:

@@ -23,6 +23,7 @@ from fmus import CATALOGUE
 Answers = Callable[[str, Mapping[str, Job]], dict[str, Answer]]
 STEP, STEPS, EVERY = 0.001, 4000, 10
 PACKAGES = {"ecos": "ecospy", "libcosim": "libcosimpy", "fmpy": "fmpy", "pathsim": "pathsim_fmi"}
+PACKAGES |= {"omsimulator": "OMSimulator"}
 
 
 @pytest.fixture(scope="session")

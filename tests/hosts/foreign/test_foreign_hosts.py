@@ -75,7 +75,7 @@ def ssp(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return export(Request(load("high-speed-tracking"), folder), folder / "loop.ssp")
 
 
-@pytest.mark.parametrize("host", ["ecos", "libcosim"])
+@pytest.mark.parametrize("host", ["ecos", "libcosim", "omsimulator"])
 def test_the_exported_system(host, ssp, loop_job, loop_answer, answers):
     """The same numbers come out of the SSP file, so it holds every connection, value and seed."""
     job = {key: loop_job[key] for key in ("step", "every", "signals")} | {"ssp": str(ssp), "steps": 500}
