@@ -86,7 +86,7 @@ def _converted(
     """With the conversion into the unit `target`, and the unit thereafter.
 
     A file of SSP does not say of a unit whether it is one of differences: what it has `declared` is one where the FMU
-    says so. One that it does not define is that of the FMU.
+    says so.
     """
     if unit is None or target is None:
         return made, target or unit

@@ -7,7 +7,7 @@ Start and end of a connection say nothing of its direction; the kinds of its con
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 from cosim.errors import CosimError, unknown
@@ -150,10 +150,20 @@ def _end(
         return _signal(end, element, where, path, scopes)
     declared = element.connectors.get(end.connector)
     if declared is not None:
+        if isinstance(element, Component):
+            declared = _defined(declared, faces[element.model])
         return _End(Node(below, end.connector), declared, _role(declared.kind))
     if isinstance(element, Tree):
         raise _at(where, unknown(f"connector of the system {end.element!r}", end.connector, element.connectors))
     return _End(Node(below, end.connector), None, _role(_variable(element, end.connector, faces, where).causality))
+
+
+def _defined(connector: Connector, face: Face) -> Connector:
+    """The connector; a unit that its file names and does not define is that of the FMU."""
+    unit = connector.unit
+    if unit is None or unit.exponents is not None:
+        return connector
+    return replace(connector, unit=face.units.get(unit.name, unit))
 
 
 def _variable(component: Component, name: str, faces: Mapping[str, Face], where: Where) -> Port:
