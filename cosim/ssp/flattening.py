@@ -8,6 +8,8 @@ from collections.abc import Iterator, Mapping
 from cosim.errors import CosimError, unknown
 from cosim.model.face import Face, Port, Value
 from cosim.model.system import System
+from cosim.model.transformation import AS_IT_IS, Transformation
+from cosim.model.units import Unit, conversion
 from cosim.model.values import coerce
 from cosim.ssp.bindings import Given, given
 from cosim.ssp.carrying import Measured, arrived, carried, value_of
@@ -67,7 +69,16 @@ def _link(system: System, network: Network, faces: Mapping[str, Face], names: Ma
                 f"when its FMU has been initialised, which cannot feed the kind {port.causality}; bind a value to it"
             )
         made = carried(way, _measured(giver, source.name), _measured(taker, node.name))
-        system.link((names[source.path], source.name), (names[node.path], node.name), made)
+        plain = made == _by_units(giver.unit(source.name), taker.unit(node.name))
+        system.link((names[source.path], source.name), (names[node.path], node.name), None if plain else made)
+
+
+def _by_units(unit: Unit | None, other: Unit | None) -> Transformation | None:
+    """What becomes of a value where nothing but units counts; None where they do not fit."""
+    try:
+        return AS_IT_IS.then(conversion(unit, other, ""))
+    except CosimError:
+        return None
 
 
 def _set(

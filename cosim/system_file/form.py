@@ -22,14 +22,18 @@ class InstanceForm(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=Tru
 
 
 class ConnectionForm(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=True):
-    """Two instances, same name to same name or by `names`; or two signals, with a `factor`, an `offset` or a `map`."""
+    """Two instances, same name to same name or by `names`; or two signals, with a `factor`, an `offset` or a `map`.
+
+    A factor or an offset stands instead of a conversion of units. `partial`: what the map does not name stays.
+    """
 
     source: str = msgspec.field(name="from")
     target: str = msgspec.field(name="to")
     names: dict[str, str] | None = None
-    factor: float = 1.0
-    offset: float = 0.0
+    factor: float | None = None
+    offset: float | None = None
     map: dict[str, int | bool] | None = None
+    partial: bool = False
 
 
 class EventForm(msgspec.Struct, forbid_unknown_fields=True):

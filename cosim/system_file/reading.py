@@ -85,7 +85,7 @@ def _connect(system: System, form: ConnectionForm, where: str) -> None:
     if is_pattern(form.target):
         return _connect_all(system, form, where)
     if form.target in system.instances:
-        if form.factor != 1.0 or form.offset != 0.0 or form.map is not None:
+        if form.factor is not None or form.offset is not None or form.map is not None:
             raise CosimError(f"{where}: factor, offset and map need signals, not instances, in from and to")
         return system.connect(form.source, form.target, form.names)
     if form.names is not None:
@@ -106,12 +106,14 @@ def _connect_all(system: System, form: ConnectionForm, where: str) -> None:
 
 def _transformation(form: ConnectionForm, where: str) -> Transformation | None:
     """None, that by the units, where the connection says nothing."""
-    if form.map is None and form.factor == 1.0 and form.offset == 0.0:
+    if form.map is None and form.factor is None and form.offset is None:
         return None
     made = AS_IT_IS
     if form.map is not None:
-        made = made.then(Lookup(tuple((_whole(key, where), int(value)) for key, value in form.map.items())))
-    return made.then(Conversion(form.factor, form.offset))
+        entries = tuple((_whole(key, where), int(value)) for key, value in form.map.items())
+        made = made.then(Lookup(entries, form.partial))
+    factor = 1.0 if form.factor is None else form.factor
+    return made.then(Conversion(factor, form.offset or 0.0))
 
 
 def _whole(key: str, where: str) -> int:

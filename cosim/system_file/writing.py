@@ -94,11 +94,16 @@ def _link(link: Link) -> ConnectionForm:
     form = ConnectionForm(f"{link.source}.{link.output}", f"{link.target}.{link.input}")
     if link.transformation is None:
         return form
-    for step in link.transformation.steps:
+    steps = link.transformation.steps
+    if not steps:
+        form.factor = 1.0  # instead of a conversion of units
+    for step in steps:
         if isinstance(step, Lookup):
-            form.map = {str(source): target for source, target in step.entries}
+            form.map, form.partial = {str(source): target for source, target in step.entries}, step.partial
         else:
             form.factor, form.offset = step.factor, step.offset
+    if [isinstance(step, Lookup) for step in steps] not in ([], [True], [False], [True, False]):
+        raise CosimError(f"{form.source} -> {form.target}: a system file has no place for these steps on the way")
     return form
 
 

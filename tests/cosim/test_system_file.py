@@ -115,6 +115,32 @@ def test_factors_and_maps(folder: Path) -> None:
     np.testing.assert_allclose(finished.results["meter1.y"][1:-1], 1.0 - 2.0 * levels, rtol=1e-15)
 
 
+def test_a_factor_of_one_keeps_units_from_being_converted(tmp_path: Path) -> None:
+    """And what a partial map does not name stays."""
+    giver = foreign(
+        tmp_path / "mm.fmu", [variable("y", 0, "output", unit="mm")], {"fmi2DoStep": "m->r[0] = 5.0;"}, units=MM
+    )
+    ports = [variable("u", 0, "input", unit="m", start="0"), variable("y", 1, "output", unit="m")]
+    foreign(tmp_path / "m.fmu", ports, {"fmi2DoStep": "m->r[1] = m->r[0];"}, units=MM)
+    text = """
+    stop_time = 0.4
+    instances = {a = {model = "mm.fmu"}, b = {model = "m.fmu"}, c = {model = "m.fmu"}, d = {model = "m.fmu"}}
+    connections = [
+        {from = "a.y", to = "b.u"},
+        {from = "a.y", to = "c.u", factor = 1.0},
+        {from = "a.y", to = "d.u", map = {4 = 7}, partial = true},
+    ]
+    """
+    (tmp_path / "system.toml").write_text(text)
+    with opened(str(tmp_path / "system.toml")) as scenario:
+        results = run(Request(scenario, tmp_path / "out")).results
+    assert [results[f"{name}.y"][-1] for name in "bcd"] == [0.005, 5.0, 5.0]
+    assert giver.is_file()
+
+
+MM = '<Unit name="m"><BaseUnit m="1"/></Unit><Unit name="mm"><BaseUnit m="1" factor="0.001"/></Unit>'
+
+
 @pytest.mark.parametrize(
     ("old", "new", "sentence"),
     [
