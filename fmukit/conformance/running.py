@@ -16,6 +16,7 @@ from fmukit.conformance.package import Package
 from fmukit.conformance.rule import Finding, Rule
 from fmukit.conformance.rulebook import RUNNING
 from fmukit.places import unpacking_folder
+from fmukit.scratch import scratch
 from fmukit.unpacking import ArchiveError
 
 DEADLINE = Deadline()
@@ -37,10 +38,10 @@ def run_groups(
     if reason:
         return skipped(wanted, reason)
     beside = [other for other in map(Package.read, others) if not _unfit(other)]
-    with tempfile.TemporaryDirectory("", "fmus-check-", unpacking_folder(), ignore_cleanup_errors=True) as name:
+    with scratch("fmus-check-", unpacking_folder()) as folder:
         rules = [rule for rule in RUNNING if rule.vital or rule in wanted]
         try:
-            found = _Inspection((package, *beside), Path(name), deadline).findings(rules)
+            found = _Inspection((package, *beside), folder, deadline).findings(rules)
         except ArchiveError as error:
             return skipped(wanted, str(error))
     return [finding for finding in found if finding.rule in wanted]
