@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from rich.table import Table
 
 from cosim.engine.schedule import Schedule
-from cosim.model.assembly import Connection, Node
 from cosim.model.clock import to_seconds
+from cosim.model.node import Connection, Node
 from cosim.run.prepare import RunPlan
 
 

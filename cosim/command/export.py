@@ -8,9 +8,21 @@ from typing import Annotated
 import typer
 
 from cosim.command.opening import opened
-from cosim.command.options import Assignments, Events, Name, Periods, Seed, StopTime
+from cosim.command.options import (
+    Assignments,
+    EventFiles,
+    Events,
+    Name,
+    Parameters,
+    Periods,
+    Replacements,
+    Seed,
+    StopTime,
+    assigned,
+    replacements,
+)
 from cosim.command.terminal import notices
-from cosim.model.system import parse_assignments, parse_events, parse_periods
+from cosim.model.parsing import parse_events, parse_periods
 from cosim.run.request import Request
 from cosim.ssp.export import export
 
@@ -22,6 +34,9 @@ def export_command(
         Path | None, typer.Option("-o", "--output", help="FILE.ssp or FILE.toml; NAME.ssp if left out.")
     ] = None,
     assignments: Assignments = None,
+    parameters: Parameters = None,
+    replace: Replacements = None,
+    event_files: EventFiles = None,
     seed: Seed = 0,
     stop_time: StopTime = None,
     events: Events = None,
@@ -29,11 +44,20 @@ def export_command(
 ) -> None:
     """Write a scenario as SSP 1.0, with its FMUs and values, for other tools; or as a TOML file, to change it."""
     notices(shown=True)
-    values, changes = parse_assignments(assignments or []), parse_events(events or [])
+    values, changes = assigned(assignments, parameters), parse_events(events or [])
     with opened(name) as scenario:
         target = file if file is not None else Path(f"{scenario.name}.ssp")
-        paced = parse_periods(periods or [])
-        request = Request(scenario, target.parent, values, seed, stop_time, events=changes, periods=paced)
+        request = Request(
+            scenario,
+            target.parent,
+            values,
+            seed,
+            stop_time,
+            events=changes,
+            periods=parse_periods(periods or []),
+            replacements=replacements(replace),
+            event_files=event_files or (),
+        )
         if target.suffix == ".toml":
             from cosim.system_file.writing import export_system  # noqa: PLC0415 - only for those who want one
 

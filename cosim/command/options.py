@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
+
+from cosim.errors import CosimError
+from cosim.model.parsing import parse_assignments
 
 Name = Annotated[str, typer.Argument(help="A scenario, see `cosim list`, or the file of a system.")]
 Assignments = Annotated[
@@ -21,3 +25,34 @@ Periods = Annotated[
 ]
 Seed = Annotated[int, typer.Option(help="Seed of all noise; equal seeds give bit-identical runs.")]
 StopTime = Annotated[float | None, typer.Option("--stop-time", metavar="S", help="End of the run, in s.")]
+Parameters = Annotated[
+    list[Path] | None,
+    typer.Option("--params", metavar="FILE.toml", help="Values of parameters from a file; --set comes after them."),
+]
+Replacements = Annotated[
+    list[str] | None,
+    typer.Option("--replace", metavar="INSTANCE=FILE.fmu", help="Put an FMU of your own in the place of an instance."),
+]
+EventFiles = Annotated[
+    list[str] | None,
+    typer.Option("--events", metavar="FILE.toml", help="Events and faults from a file, or one of `cosim list`."),
+]
+
+
+def assigned(assignments: list[str] | None, parameters: list[Path] | None) -> list[tuple[str, str]]:
+    """(signal, text) from files of parameters and from --set, which overrules them; raises CosimError."""
+    if not parameters:
+        return parse_assignments(assignments or [])
+    from cosim.system_file.parameters import read_parameters  # noqa: PLC0415 - only for those who have such a file
+
+    from_files = [pair for file in parameters for pair in read_parameters(file)]
+    return [*from_files, *parse_assignments(assignments or [])]
+
+
+def replacements(texts: list[str] | None) -> list[tuple[str, Path]]:
+    """(instance, file) from ["hlc=my.fmu"]; raises CosimError."""
+    pairs = [text.partition("=") for text in texts or []]
+    for instance, _, file in pairs:
+        if not instance or not file:
+            raise CosimError(f"cannot read {instance!r}; write --replace INSTANCE=FILE.fmu")
+    return [(instance.strip(), Path(file)) for instance, _, file in pairs]

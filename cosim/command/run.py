@@ -11,13 +11,25 @@ import typer
 
 from cosim.command.explain import explanation
 from cosim.command.opening import opened
-from cosim.command.options import Assignments, Events, Name, Periods, Seed, StopTime
+from cosim.command.options import (
+    Assignments,
+    EventFiles,
+    Events,
+    Name,
+    Parameters,
+    Periods,
+    Replacements,
+    Seed,
+    StopTime,
+    assigned,
+    replacements,
+)
 from cosim.command.show import show
 from cosim.command.terminal import notices, progress
 from cosim.engine.loader import ISOLATION_TIMEOUT
 from cosim.engine.schedule import Scheme
 from cosim.errors import RunFailedError, RunInterruptedError
-from cosim.model.system import parse_assignments, parse_events, parse_periods
+from cosim.model.parsing import parse_events, parse_periods
 from cosim.results.summary import Summary
 from cosim.run.prepare import RunPlan
 from cosim.run.request import Request
@@ -30,6 +42,9 @@ def run_command(
     name: Name,
     *,
     assignments: Assignments = None,
+    parameters: Parameters = None,
+    replace: Replacements = None,
+    event_files: EventFiles = None,
     seed: Seed = 0,
     stop_time: StopTime = None,
     scheme: Annotated[
@@ -62,7 +77,7 @@ def run_command(
 ) -> None:
     """Run a scenario and write its results."""
     notices(shown=not quiet)
-    values, changes = parse_assignments(assignments or []), parse_events(events or [])
+    values, changes = assigned(assignments, parameters), parse_events(events or [])
     with opened(name) as scenario:
         target = folder if folder is not None else Path("results") / scenario.name
         request = Request(
@@ -79,6 +94,8 @@ def run_command(
             isolate=isolate or (),
             isolate_timeout=isolate_timeout,
             periods=parse_periods(periods or []),
+            replacements=replacements(replace),
+            event_files=event_files or (),
         )
         stop = stop_time if stop_time is not None else scenario.stop_time
         explainer = _explainer(to_stderr=as_json or quiet) if explain else lambda _plan: None

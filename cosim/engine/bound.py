@@ -11,7 +11,7 @@ import numpy as np
 
 from cosim.engine.order import Action
 from cosim.engine.slave import DISCARD, ERROR, WARNING, Calls, Slave, SlaveError, do_nothing
-from cosim.model.assembly import Connection, Node
+from cosim.model.node import Connection, Node
 from cosim.model.signals import Vector
 from cosim.model.units import Conversion
 
@@ -62,14 +62,14 @@ def gather(connections: Sequence[Connection], vector: Vector, positions: Mapping
         return take
     steps = [c.transformation.linear or Conversion() for c in connections]
     factor, offset = (np.array([getattr(step, key) for step in steps]) for key in ("factor", "offset"))
-    looked_up = [(k, c) for k, c in enumerate(connections) if c.transformation.linear is None]
+    by_list = [(k, c) for k, c in enumerate(connections) if c.transformation.linear is None]
 
     def transformed() -> None:
         take()
         np.multiply(u, factor, out=u)
         np.add(u, offset, out=u)
-        for k, connection in looked_up:
-            u[k] = _looked_up(connection, u[k])
+        for k, connection in by_list:
+            u[k] = looked_up(connection, u[k])
 
     return transformed
 
@@ -86,7 +86,8 @@ def gather_texts(
     return copy if places else do_nothing
 
 
-def _looked_up(connection: Connection, value: float) -> float:
+def looked_up(connection: Connection, value: float) -> float:
+    """What becomes of the value on its way; raises SlaveError of the one it goes to where nothing says."""
     try:
         return connection.transformation(value)
     except LookupError:

@@ -8,8 +8,8 @@ from functools import partial
 
 from cosim.engine.order import Action, Order, Tick
 from cosim.engine.slave import do_nothing
-from cosim.model.assembly import Node
 from cosim.model.face import Value
+from cosim.model.node import Node
 from cosim.model.signals import Vector
 
 
@@ -37,7 +37,7 @@ def merged(ticks: Iterable[Tick], dues: Iterable[Due]) -> Iterator[Tick]:
 
 def shown(node: Node) -> list[str]:
     """Inputs that events change and that are numbers, each once."""
-    names = dict.fromkeys(change.variable for change in node.changes)
+    names = dict.fromkeys([*(change.variable for change in node.changes), *node.faults])
     return [name for name in names if node.face.ports[name].type != "String"]
 
 

@@ -16,8 +16,8 @@ from cosim.engine.isolation.process import Process
 from cosim.engine.isolation.proxy import IsolatedSlave
 from cosim.engine.slave import Slave
 from cosim.errors import CosimError
-from cosim.model.assembly import Node
 from cosim.model.face import Face, read_face
+from cosim.model.node import Node
 from cosim.model.system import System
 from fmukit.conformance.package import Package
 from fmukit.conformance.vital import unfit

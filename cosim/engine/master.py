@@ -23,9 +23,10 @@ from cosim.engine import changes
 from cosim.engine.bound import Bound, gather, gather_texts
 from cosim.engine.order import Action, Order, Tick, both
 from cosim.engine.schedule import Schedule, active_ticks
+from cosim.engine.shaping import shapers
 from cosim.engine.slave import Memory, Slave, SlaveError, do_nothing
-from cosim.model.assembly import Node
 from cosim.model.clock import SECOND, to_seconds
+from cosim.model.node import Node
 from cosim.model.signals import Signal, Vector
 from fmukit.errors import because
 
@@ -67,6 +68,7 @@ class Master:
         self.texts = [""] * len(self.written)
         self._nodes, self._slaves = nodes, slaves
         self._bound: dict[str, Bound] = {}
+        self._shapers = {name: shapers(node, self.vector, self._index) for name, node in nodes.items()}
 
     def initialise(self) -> None:
         """Set parameters, enter initialisation, pass outputs to inputs along the dataflow, leave; or SlaveError."""
@@ -179,12 +181,13 @@ class Master:
         parallel = [self._bound[name] for name in self.schedule.parallel if name in due]
         sequential = [action for name in self.schedule.sequential if name in due for action in self._now(name)]
         published = [bound.publish for bound in parallel]
-        return Order([*published, *sequential], record, [bound.exchange for bound in parallel])
+        shaped = [shape for bound in parallel for shape in self._shapers[bound.node.name]]
+        return Order([*published, *sequential, *shaped], record, [bound.exchange for bound in parallel])
 
     def _now(self, name: str) -> list[Action]:
         """What a sequential slave does at a tick."""
         bound = self._bound[name]
-        return [bound.exchange] if bound.publish is do_nothing else [bound.exchange, bound.publish]
+        return [*self._shapers[name], bound.exchange, *([] if bound.publish is do_nothing else [bound.publish])]
 
     def _finish(self, stop: int, record: Action) -> None:
         self._time.value = to_seconds(stop)
@@ -195,6 +198,8 @@ class Master:
     def _propagate(self, *, leave: bool) -> None:
         for name in self.schedule.initial:
             bound = self._bound[name]
+            for shape in self._shapers[name]:
+                shape()
             bound.gather()
             bound.check(bound.calls.set())
             if leave:

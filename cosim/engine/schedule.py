@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from heapq import heappop, heappush
 from typing import Literal
 
-from cosim.model.assembly import Node
 from cosim.model.clock import base_tick, hyperperiod
+from cosim.model.node import Node
 
 Edge = tuple[str, str]
 Scheme = Literal["multirate", "jacobi"]

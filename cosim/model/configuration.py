@@ -16,7 +16,8 @@ from cosim.model.values import coerce
 
 SAMPLE_PERIOD = "sample_period"
 LOOK = "`fmus list --json` lists the variables of every model, `fmpy info FILE.fmu` those of a file"
-_SETTABLE = ("parameter", "input")
+SETTABLE = ("parameter", "input")
+"""Causalities of the variables that can be set."""
 
 
 class Configuration:
@@ -24,16 +25,21 @@ class Configuration:
 
     Both are by the name of the instance. Raises CosimError, in the words the user typed, for a variable that does not
     exist or cannot be set, and for a value that is not of its type or outside its range.
+    `gone` are values of variables that an instance had before another model took its place: they can still be asked
+    for, and defaults of them are no more than that.
     """
 
-    def __init__(self, system: System, faces: Mapping[str, Face]) -> None:
+    def __init__(
+        self, system: System, faces: Mapping[str, Face], gone: Mapping[str, Mapping[str, Value]] | None = None
+    ) -> None:
         self.system, self.faces = system, faces
+        self._gone: dict[str, dict[str, Value]] = {name: dict(values) for name, values in (gone or {}).items()}
         self._set: dict[str, dict[str, Value]] = {name: {} for name in system.instances}
         for name, instance in system.instances.items():
             for variable, value in instance.parameters.items():
                 self._store(name, variable, value, f"{name}.{variable}")
         for assignment in system.assignments:
-            for name, variable in selected(system, faces, assignment.signal, _SETTABLE):
+            for name, variable in selected(system, faces, assignment.signal, SETTABLE):
                 self._store(name, variable, assignment.value, assignment.signal)
         for name, instance in system.instances.items():
             if instance.period is not None and SAMPLE_PERIOD in faces[name].ports:
@@ -54,6 +60,8 @@ class Configuration:
 
     def start(self, instance: str, variable: str) -> Value:
         """The start value of the model, whatever was set."""
+        if variable in self._gone.get(instance, ()):
+            return self._gone[instance][variable]
         start = self._port(instance, variable, f"{instance}.{variable}").start
         if start is None:
             raise CosimError(f"{instance}.{variable} has no start value; set it")
@@ -69,8 +77,8 @@ class Configuration:
     def values(self, instance: str) -> dict[str, Value]:
         """What all parameters and inputs of the instance start with, by name; those without a start value left out."""
         ports = self.faces[instance].ports.values()
-        starts = {p.name: p.start for p in ports if p.causality in _SETTABLE and p.start is not None}
-        return starts | self._set[instance]
+        starts = {p.name: p.start for p in ports if p.causality in SETTABLE and p.start is not None}
+        return self._gone.get(instance, {}) | starts | self._set[instance]
 
     def changed(self, instance: str) -> dict[str, Value]:
         """The values that were set or defaulted, by name."""
@@ -82,6 +90,9 @@ class Configuration:
         `of` are the signals, as `instance.variable`, from which the value was derived: where it is outside the range
         of the variable the error names them, as they are what can be changed.
         """
+        if variable in self._gone.get(instance, ()):
+            self._gone[instance][variable] = value
+            return
         if variable in self._set[instance]:
             return
         try:
@@ -106,14 +117,14 @@ class Configuration:
 
     def _store(self, instance: str, variable: str, value: Value, typed: str) -> None:
         port = self._port(instance, variable, typed)
-        if port.causality not in _SETTABLE:
+        if port.causality not in SETTABLE:
             raise CosimError(f"{typed} is an {port.causality} of {self.faces[instance].model} and cannot be set")
         self._set[instance][variable] = coerce(typed, port, value)
 
     def _port(self, instance: str, variable: str, typed: str) -> Port:
         face = self.faces[instance]
         if variable not in face.ports:
-            raise unknown(f"variable of {instance} ({face.model})", variable, names(face, *_SETTABLE), LOOK)
+            raise unknown(f"variable of {instance} ({face.model})", variable, names(face, *SETTABLE), LOOK)
         return face.ports[variable]
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from cosim.errors import CosimError, unknown
 from cosim.model.clock import LONGEST
 from cosim.model.face import Kind, Value
+from cosim.model.fault import Fault
 from cosim.model.patterns import is_pattern, matches
 from cosim.model.transformation import Transformation
 
@@ -49,11 +50,15 @@ class Event:
 
 @dataclass(frozen=True, slots=True)
 class Wire:
-    """Connect every input of `target` whose counterpart `source` has: see `System.connect`."""
+    """Connect every input of `target` whose counterpart `source` has: see `System.connect`.
+
+    A `lenient` one does without those that there are not.
+    """
 
     source: str
     target: str
     names: Mapping[str, str]
+    lenient: bool = False
 
     def counterpart(self, input_: str) -> str | None:
         """The name of the output that feeds `input_`, by the exact name or the longest prefix that matches."""
@@ -85,8 +90,8 @@ class System:
     """Instances by name, in the order in which they are listed and recorded, and the wires and links between them.
 
     `assignments` are values set of instances beyond their own parameters, in the order in which they were made; the
-    last one counts. `events` are values set during the run. `files` are the .fmu files of models that the system brings
-    along, by the names its instances give.
+    last one counts. `events` are values set during the run; `faults` change what inputs take while they last. `files`
+    are the .fmu files of models that the system brings along, by the names its instances give.
     """
 
     instances: dict[str, Instance] = field(default_factory=dict)
@@ -95,6 +100,7 @@ class System:
     assignments: list[Assignment] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
     files: dict[str, Path] = field(default_factory=dict)
+    faults: list[Fault] = field(default_factory=list)
 
     def add(
         self,
@@ -133,14 +139,17 @@ class System:
         for name in meant:
             self.instances[name].period = period
 
-    def connect(self, source: str, target: str, names: Mapping[str, str] | None = None) -> None:
+    def connect(
+        self, source: str, target: str, names: Mapping[str, str] | None = None, *, lenient: bool = False
+    ) -> None:
         """Wire `source` to `target`, same name to same name, or as `names` maps inputs to outputs.
 
         A key of `names` is the full name of an input, or a prefix ending in a dot ("" is every input); the value takes
         its place: {"estimate.": ""} feeds estimate.yaw from yaw, {"estimate.yaw_rate": "angular_rate.z"} one port.
+        A `lenient` wire leaves out names there are not.
         """
         self._expect(source, target)
-        self.wires.append(Wire(source, target, dict(names if names is not None else {"": ""})))
+        self.wires.append(Wire(source, target, dict(names if names is not None else {"": ""}), lenient))
 
     def link(
         self, source: tuple[str, str], target: tuple[str, str], transformation: Transformation | None = None
@@ -167,6 +176,11 @@ class System:
             raise CosimError(f"{signal} cannot be set at {time:g} s; give a time from 0 to {LONGEST:g} s")
         self._expect_instance(signal)
         self.events.append(Event(time, signal, value))
+
+    def fail(self, fault: Fault) -> None:
+        """Let an input have a fault; of several on one input each acts on what the one before gives."""
+        self._expect_instance(fault.signal)
+        self.faults.append(fault)
 
     def is_name(self, signal: str) -> bool:
         """Whether `signal` names a variable of one instance, though it may hold characters of patterns."""
@@ -197,44 +211,3 @@ class System:
 def _is_meant(name: str, pattern: str) -> bool:
     parts = name.split(".")
     return any(matches(".".join(parts[: k + 1]), pattern) for k in range(len(parts)))
-
-
-def parse_assignments(texts: Iterable[str]) -> list[tuple[str, str]]:
-    """[("llc.suspension.enabled", "false")] from ["llc.suspension.enabled=false"]."""
-    pairs = []
-    for text in texts:
-        name, equals, value = text.partition("=")
-        if not equals or "." not in name.strip():
-            raise CosimError(f"cannot read {text!r}; write --set instance.variable=value")
-        pairs.append((name.strip(), value.strip()))
-    return pairs
-
-
-def parse_periods(texts: Iterable[str]) -> list[tuple[str, float]]:
-    """[("car*", 0.01)] from ["car*=0.01"]."""
-    periods = []
-    for text in texts:
-        name, _, value = text.rpartition("=")
-        try:
-            periods.append((name.strip(), float(value)))
-        except ValueError:
-            name = ""
-        if not name.strip():
-            raise CosimError(f"cannot read {text!r}; write --period instance=seconds")
-    return periods
-
-
-def parse_events(texts: Iterable[str]) -> list[tuple[float, str, str]]:
-    """[(3.0, "mpc.motor_available.rr", "0")] from ["3.0:mpc.motor_available.rr=0"]."""
-    events = []
-    for text in texts:
-        time, colon, assignment = text.partition(":")
-        name, equals, value = assignment.partition("=")
-        try:
-            seconds = float(time)
-        except ValueError:
-            colon = ""
-        if not (colon and equals) or "." not in name.strip():
-            raise CosimError(f"cannot read {text!r}; write --at time:instance.variable=value with the time in seconds")
-        events.append((seconds, name.strip(), value.strip()))
-    return events

@@ -28,12 +28,14 @@ class Facts:
 
     `periods` [s] by instance; `settings` of the scenario by name; `values` are those that parameters and inputs started
     with, by instance and variable; `stop` [s] is when the run was to end, None if its last row is that time.
+    `absent` are signals that the system has without a user's FMU, and not with it: their columns are NaN.
     """
 
     periods: Mapping[str, float] = field(default_factory=dict)
     settings: Mapping[str, Any] = field(default_factory=dict)
     values: Mapping[str, Mapping[str, Value]] = field(default_factory=dict)
     stop: float | None = None
+    absent: frozenset[str] = frozenset()
 
 
 class Results:
@@ -66,12 +68,16 @@ class Results:
         return name in self._known
 
     def __getitem__(self, name: str) -> Vector:
+        if name in self.facts.absent:
+            return np.full(len(self.time), np.nan)
         if name not in self:
             raise unknown("signal", name, self.names, "the columns of results.parquet are the signals")
         return np.asarray(self._table.column(name).to_numpy())
 
     def unit(self, name: str) -> str:
         """The unit of a column, or an empty string."""
+        if name in self.facts.absent:
+            return ""
         metadata = self._table.schema.field(name).metadata or {}
         return str(metadata.get(b"unit", b"").decode())
 

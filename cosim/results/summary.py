@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from cosim.engine.master import Outcome, Status
-from cosim.model.assembly import Node
 from cosim.model.clock import SECOND, to_seconds
+from cosim.model.node import Node
 from cosim.results.provenance import Provenance, command_line
 from cosim.scenario.limit import Verdict
 from cosim.scenario.metric import Metric

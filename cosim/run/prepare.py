@@ -11,13 +11,15 @@ from cosim.engine.loader import Loader
 from cosim.engine.models import declared, find
 from cosim.engine.schedule import Schedule, schedule
 from cosim.errors import CosimError
-from cosim.model.assembly import Node, assemble, changing, leave_out
+from cosim.model.assembly import assemble, changing, leave_out
 from cosim.model.clock import SECOND, to_seconds
 from cosim.model.configuration import Configuration, selected
+from cosim.model.node import Node
 from cosim.model.system import System
 from cosim.model.values import coerce
 from cosim.results.provenance import Provenance
 from cosim.run.remarks import remarks
+from cosim.run.replacing import Replaced, misfits, replaced
 from cosim.run.request import Request
 from cosim.run.tracing import provenance
 from cosim.scenario.definition import Work
@@ -28,12 +30,16 @@ _LOG = logging.getLogger("cosim")
 
 @dataclass(frozen=True, slots=True)
 class Configured:
-    """A scenario's system with the values it starts with, and what the scenario prepared on the way."""
+    """A scenario's system with the values it starts with, and what the scenario prepared on the way.
+
+    `originals` are the instances whose places FMUs of the user have taken.
+    """
 
     work: Work
     settings: Settings
     configuration: Configuration
     prepared: Any
+    originals: Mapping[str, Replaced] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +61,7 @@ def plan(request: Request, loader: Loader) -> RunPlan:
     leave_out(nodes, request.unrecorded)
     order = schedule(nodes, request.scheme)
     _whole_steps(request, nodes, order)
-    for remark in remarks(made.configuration.system, nodes):
+    for remark in (*remarks(made.configuration.system, nodes), *misfits(made.originals, nodes)):
         _LOG.warning("%s", remark)
     files = {node.model: loader.file(node.model) for node in nodes.values()}
     return RunPlan(request, made, nodes, order, provenance(request, made.settings, nodes, files))
@@ -66,11 +72,15 @@ def configured(request: Request, loader: Loader) -> Configured:
     settings = chosen(request.scenario.name, request.scenario.settings, request.assignments)
     work = request.scenario.work()
     prepared = work.prepare(settings)
-    system = requested(work.build(settings, prepared), request)
+    system = work.build(settings, prepared)
+    originals = replaced(system, request.replacements, loader)
+    requested(system, request)
     if request.find is find:
         _check_declared(system)
-    configuration = Configuration(system, loader.faces(system))
-    return Configured(work, settings, configuration, work.complete(configuration, prepared))
+    faces = loader.faces(system)
+    gone = {name: original.gone(faces[name]) for name, original in originals.items()}
+    configuration = Configuration(system, faces, gone)
+    return Configured(work, settings, configuration, work.complete(configuration, prepared), originals)
 
 
 def _check_declared(system: System) -> None:
@@ -93,6 +103,10 @@ def requested(system: System, request: Request) -> System:
     for signal, text in request.assignments:
         if not signal.startswith(PREFIX):
             system.set(signal, text)
+    for file in request.event_files:
+        from cosim.system_file.events import add_events_of  # noqa: PLC0415 - only for those who have such a file
+
+        add_events_of(file, system)
     for time, signal, text in request.events:
         system.at(time, signal, text)
     for pattern, period in request.periods:

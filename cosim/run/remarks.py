@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from cosim.model.assembly import Node
 from cosim.model.configuration import SAMPLE_PERIOD
+from cosim.model.node import Node
 from cosim.model.system import System
 
 

@@ -29,6 +29,8 @@ class Request:
     out. `find` gives the .fmu file of a model by its name.
     `isolate` are patterns of instances that get processes of their own (see `System.isolate`), each call of which may
     take `isolate_timeout` [s] of wall time. `periods` are (pattern of instances, period [s]), the last counts.
+    `replacements` are (instance or pattern of such, .fmu file): see `cosim.run.replacing`. `event_files` are files of
+    events, or names of those that packages offer.
     """
 
     scenario: Scenario
@@ -45,6 +47,8 @@ class Request:
     isolate: Sequence[str] = ()
     isolate_timeout: float = ISOLATION_TIMEOUT
     periods: Sequence[tuple[str, float]] = ()
+    replacements: Sequence[tuple[str, Path]] = ()
+    event_files: Sequence[str] = ()
 
     def __post_init__(self) -> None:
         _ = self.stop, self.interval  # before anything is prepared, or removed from the folder

@@ -195,4 +195,9 @@ def _facts(made: RunPlan) -> Facts:
         settings=made.configured.settings,
         values={name: configuration.values(name) | node.values for name, node in made.nodes.items()},
         stop=to_seconds(made.request.stop),
+        absent=frozenset(
+            signal
+            for name, original in made.configured.originals.items()
+            for signal in original.silent(made.nodes[name].face)
+        ),
     )

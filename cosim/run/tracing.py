@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping
 from hashlib import sha256
 from pathlib import Path
 
-from cosim.model.assembly import Node
 from cosim.model.clock import to_seconds
 from cosim.model.face import Value
+from cosim.model.node import Node
 from cosim.results.provenance import Model, Provenance, versions
 from cosim.run.request import Request
 from cosim.scenario.settings import Settings

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from cosim.engine.schedule import Schedule
-from cosim.model.assembly import Node
+from cosim.model.node import Node
 from cosim.run.request import Request
 
 _LARGE = 500e6

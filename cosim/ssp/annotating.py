@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from xml.etree import ElementTree as ET
 
-from cosim.model.assembly import Node
 from cosim.model.clock import to_seconds
 from cosim.model.face import Value
+from cosim.model.node import Node
 from cosim.ssp.namespaces import COSIM, OMS, SSC, SSD
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from cosim.engine.loader import Loader
 from cosim.errors import CosimError
-from cosim.model.assembly import Node
+from cosim.model.node import Node
 from cosim.run.prepare import plan
 from cosim.run.request import Request
 from cosim.ssp.names import free_name, identifiers

@@ -18,7 +18,7 @@ from pathlib import Path
 
 from lxml import etree
 
-from cosim.model.assembly import Node
+from cosim.model.node import Node
 from fmukit.packing import pack
 
 _PACKAGE = re.compile(r"resources/fmu_(\w+)/interface\.json")

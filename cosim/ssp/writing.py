@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from xml.etree import ElementTree as ET
 
 from cosim.errors import CosimError
-from cosim.model.assembly import Connection, Node
 from cosim.model.clock import to_seconds
 from cosim.model.face import Port
+from cosim.model.node import Connection, Node
 from cosim.model.transformation import Lookup
 from cosim.model.units import BASE, Unit
 from cosim.ssp.annotating import annotate, literal

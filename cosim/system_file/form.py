@@ -25,22 +25,48 @@ class ConnectionForm(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=T
     """Two instances, same name to same name or by `names`; or two signals, with a `factor`, an `offset` or a `map`.
 
     A factor or an offset stands instead of a conversion of units. `partial`: what the map does not name stays.
+    Between two instances it may be `lenient`: names there are not are left out.
     """
 
     source: str = msgspec.field(name="from")
     target: str = msgspec.field(name="to")
     names: dict[str, str] | None = None
+    lenient: bool = False
     factor: float | None = None
     offset: float | None = None
     map: dict[str, int | bool] | None = None
     partial: bool = False
 
 
-class EventForm(msgspec.Struct, forbid_unknown_fields=True):
-    """From `time` [s] on unconnected inputs hold other values."""
+class EventForm(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=True):
+    """What happens from `time` to `until` [s], while `when` holds: unconnected inputs are `set`, or a signal changes.
 
-    time: float
-    set: dict[str, Scalar]
+    `signal` is an input, connected or not, with one effect; `ramp_to` needs `over` [s], `table` a CSV file.
+    """
+
+    time: float = 0.0
+    set: dict[str, Scalar] | None = None
+    signal: str | None = None
+    until: float = math.inf
+    when: str = ""
+    override: float | None = None
+    ramp_to: float | None = None
+    over: float | None = None
+    table: str | None = None
+    scale: float | None = None
+    bias: float | None = None
+    noise: float | None = None
+    freeze: bool = False
+    delay: float | None = None
+    drop: float | None = None
+
+
+class EventsForm(msgspec.Struct, forbid_unknown_fields=True):
+    """A file of events, for any system that has their signals; `parameters` are set before the start."""
+
+    title: str = ""
+    parameters: dict[str, Scalar] = {}
+    events: list[EventForm] = []
 
 
 class MetricForm(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=True):

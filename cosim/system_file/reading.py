@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import re
-import tomllib
 from pathlib import Path
-
-import msgspec
 
 from cosim.errors import CosimError
 from cosim.model.patterns import captured, is_pattern, substituted
@@ -16,23 +12,22 @@ from cosim.model.units import Conversion
 from cosim.scenario.described import Description
 from cosim.scenario.limit import Limit
 from cosim.scenario.measure import Measure
+from cosim.system_file.decoding import read_form
+from cosim.system_file.events import add_events
 from cosim.system_file.form import ConnectionForm, InstanceForm, MetricForm, Scalar, SystemForm
-from fmukit.errors import because
 
 _BOOLEANS = {"false": "0", "true": "1"}
 
 
 def read_system(file: Path) -> Description:
     """What the system file says; raises CosimError with the place of a mistake."""
-    form = _form(file)
+    form = read_form(file, SystemForm)
     system = System()
     for name, instance in form.instances.items():
         _add(system, name, instance, file.parent)
     for number, connection in enumerate(form.connections, start=1):
         _connect(system, connection, f"{file}, connection {number}")
-    for event in form.events:
-        for signal, value in event.set.items():
-            system.at(event.time, signal, value)
+    add_events(system, form.events, file)
     name = form.name or file.stem
     return Description(
         name,
@@ -44,28 +39,6 @@ def read_system(file: Path) -> Description:
         {key: Measure(metric.signal, metric.of, metric.minus, metric.after) for key, metric in form.metrics.items()},
         tuple(_limit(key, metric) for key, metric in form.metrics.items() if _limited(metric)),
     )
-
-
-def _form(file: Path) -> SystemForm:
-    try:
-        return msgspec.convert(tomllib.loads(file.read_text("utf-8-sig")), SystemForm)
-    except OSError as error:
-        raise CosimError(f"{file} cannot be read: {because(error)}") from None
-    except UnicodeDecodeError:
-        raise CosimError(f"{file} is not a text in UTF-8") from None
-    except tomllib.TOMLDecodeError as error:
-        raise CosimError(f"{file} is no TOML: {error}") from None
-    except msgspec.ValidationError as error:
-        raise CosimError(f"{file}: {_plain(str(error))}") from None
-
-
-def _plain(error: str) -> str:
-    """The sentence of the library in the words of the page on system files."""
-    place = re.search(r" - at `(key in )?\$\.?(.*?)`$", error)
-    said = error[: place.start()] if place else error
-    said = said.replace("Object contains unknown field", "unknown key").replace("Object missing required field", "no")
-    said = said[:1].lower() + said[1:]
-    return f"{said}, in {place[2].replace('[...]', ' ...')}" if place and place[2] else said
 
 
 def _add(system: System, name: str, form: InstanceForm, folder: Path) -> None:
@@ -87,7 +60,7 @@ def _connect(system: System, form: ConnectionForm, where: str) -> None:
     if form.target in system.instances:
         if form.factor is not None or form.offset is not None or form.map is not None:
             raise CosimError(f"{where}: factor, offset and map need signals, not instances, in from and to")
-        return system.connect(form.source, form.target, form.names)
+        return system.connect(form.source, form.target, form.names, lenient=form.lenient)
     if form.names is not None:
         raise CosimError(f"{where}: names need instances in from and to; {form.target} is no instance")
     return system.link(system.split(form.source), system.split(form.target), _transformation(form, where))
@@ -101,7 +74,7 @@ def _connect_all(system: System, form: ConnectionForm, where: str) -> None:
         raise CosimError(f"{where}: no instance fits the pattern {form.target!r}")
     for source, target in pairs:
         if source != target:
-            system.connect(source, target, form.names)
+            system.connect(source, target, form.names, lenient=form.lenient)
 
 
 def _transformation(form: ConnectionForm, where: str) -> Transformation | None:

@@ -87,7 +87,8 @@ def _copied(table: Path, folder: str, tables: dict[str, Path]) -> str:
 
 
 def _wire(wire: Wire) -> ConnectionForm:
-    return ConnectionForm(wire.source, wire.target, None if wire.names == {"": ""} else dict(wire.names))
+    names = None if wire.names == {"": ""} else dict(wire.names)
+    return ConnectionForm(wire.source, wire.target, names, wire.lenient)
 
 
 def _link(link: Link) -> ConnectionForm:
@@ -112,4 +113,4 @@ def _events(events: Iterable[Event]) -> list[EventForm]:
     at: dict[float, dict[str, Any]] = {}
     for event in events:
         at.setdefault(event.time, {})[event.signal] = event.value
-    return [EventForm(time, dict(values)) for time, values in sorted(at.items())]
+    return [EventForm(time, set=dict(values)) for time, values in sorted(at.items())]

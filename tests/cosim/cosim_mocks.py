@@ -11,10 +11,11 @@ from typing import Any
 from cosim.engine.master import Master, Outcome
 from cosim.engine.schedule import Scheme, schedule
 from cosim.engine.slave import Calls, Memory, SlaveError
-from cosim.model.assembly import Node, assemble
+from cosim.model.assembly import assemble
 from cosim.model.clock import SECOND
 from cosim.model.configuration import Configuration
 from cosim.model.face import Face, Port, Value
+from cosim.model.node import Node
 from cosim.model.system import System
 from cosim.model.units import Unit
 from cosim.run.prepare import Configured, RunPlan

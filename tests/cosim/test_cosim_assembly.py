@@ -6,8 +6,9 @@ from cosim_mocks import RADIAN, UNITS, assembled, face
 from cosim.errors import CosimError
 from cosim.model.assembly import derived_seed, leave_out
 from cosim.model.face import Face, Port
+from cosim.model.parsing import parse_assignments
 from cosim.model.patterns import matches
-from cosim.model.system import System, parse_assignments
+from cosim.model.system import System
 from cosim.model.units import Unit, conversion
 
 GAIN = Port("gain", 0, "parameter", unit="s", minimum=0.0, maximum=5.0)

@@ -19,13 +19,15 @@ from cosim.command import terminal
 from cosim.command.explain import explanation
 from cosim.errors import CosimError
 from cosim.model.face import Port
-from cosim.model.system import System, parse_events
+from cosim.model.parsing import parse_events
+from cosim.model.system import System
 from cosim.results.reading import Facts, load_results
 from cosim.run.request import Request
 from cosim.run.running import run
 from cosim.scenario.definition import Scenario
 from cosim.scenario.discovery import load
-from cosim.ssp.export import COSIM, SSD, export
+from cosim.ssp.export import export
+from cosim.ssp.namespaces import COSIM, SSD
 
 LIMITED = Port("valve", 0, "input", minimum=0.0, maximum=1.0, unit="m", start=0.125)
 
@@ -214,7 +216,8 @@ def test_a_table_travels_in_the_fmu_that_reads_it(tmp_path, monkeypatch) -> None
     export(Request(load("lateral-tracking"), tmp_path, assignments), tmp_path / "l.ssp")
     with zipfile.ZipFile(tmp_path / "l.ssp") as archive:
         archive.extractall(tmp_path / "unpacked")
-    assert b'value="straight.csv"' in (tmp_path / "unpacked" / "resources" / "reference.ssv").read_bytes()
+    with zipfile.ZipFile(tmp_path / "unpacked" / "resources" / "ReferenceTrajectory.fmu") as archive:
+        assert b'start="straight.csv"' in archive.read("modelDescription.xml")
     file.unlink()
     monkeypatch.chdir(tmp_path)
 

@@ -14,6 +14,8 @@ from pathlib import Path
 import doc_commands as commands
 from doc_pages import Block
 
+from cosim.system_file.parameters import read_parameters
+from cosim.system_file.reading import read_system
 from fmukit.interface import load_parameters
 from fmukit.runtime.table import read as read_table
 from fmus.controllers.reference.interface import INTERFACE
@@ -29,6 +31,8 @@ READERS: dict[str, Callable[[Path], object]] = {
     "trajectory.csv": lambda path: read_table(str(path), INTERFACE.table, path.parent),  # type: ignore[arg-type]
     "parameters.toml": load_parameters,
     "pyproject.toml": Path.read_text,
+    "gains.toml": read_parameters,
+    "coasting.toml": read_system,
 }
 """By the name of the file that a block of data is, and under which the blocks after it find it."""
 RUN = ("sh", "python", "pycon")

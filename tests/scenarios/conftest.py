@@ -12,7 +12,7 @@ from scenario_types import Configured, Run
 from cosim.engine.loader import Loader
 from cosim.engine.models import find
 from cosim.model.configuration import Configuration
-from cosim.model.system import parse_assignments
+from cosim.model.parsing import parse_assignments
 from cosim.run import prepare
 from cosim.run.request import Request
 from cosim.run.running import Finished, run

@@ -10,7 +10,7 @@ import pytest
 from scenario_types import Configured, Run
 
 from cosim.errors import CosimError
-from cosim.model.system import parse_assignments
+from cosim.model.parsing import parse_assignments
 from cosim.run.request import Request
 from cosim.run.running import run
 from cosim.scenario.discovery import load

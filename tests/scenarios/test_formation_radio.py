@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cosim.model.system import parse_assignments
+from cosim.model.parsing import parse_assignments
 from cosim.results.reading import Results
 from cosim.run.request import Request
 from cosim.run.running import run

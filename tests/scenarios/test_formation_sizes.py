@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from scenario_types import Configured
 
-from cosim.model.system import parse_assignments
+from cosim.model.parsing import parse_assignments
 from cosim.run.request import Request
 from cosim.run.running import Finished, run
 from cosim.scenario.discovery import load

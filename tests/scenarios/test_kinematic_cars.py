@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cosim.model.system import parse_assignments
+from cosim.model.parsing import parse_assignments
 from cosim.run.request import Request
 from cosim.run.running import Finished, run
 from cosim.scenario.discovery import load

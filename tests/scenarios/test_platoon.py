@@ -15,7 +15,7 @@ import pytest
 
 from cosim.errors import CosimError
 from cosim.model.configuration import Configuration
-from cosim.model.system import parse_assignments
+from cosim.model.parsing import parse_assignments
 from cosim.results.reading import Results
 from cosim.run.request import Request
 from cosim.run.running import Finished, run

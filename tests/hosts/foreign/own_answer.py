@@ -13,9 +13,10 @@ from cosim.engine.loader import Loader
 from cosim.engine.master import Master
 from cosim.engine.models import find
 from cosim.engine.schedule import schedule
-from cosim.model.assembly import Node, assemble, leave_out
+from cosim.model.assembly import assemble, leave_out
 from cosim.model.configuration import Configuration
 from cosim.model.face import Value
+from cosim.model.node import Node
 from cosim.model.system import System
 from cosim.results.recorder import recorded
 from cosim.run.prepare import configured

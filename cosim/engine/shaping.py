@@ -1,0 +1,70 @@
+"""Faults at work: before an instance takes its inputs, those that have faults are worked out and shown.
+
+Such an input is a signal of its own in the vector; what it would have been is the output that feeds it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from cosim.engine.bound import looked_up
+from cosim.engine.changes import start
+from cosim.model.assembly import derived_seed
+from cosim.model.effects import ROUNDING, Acting
+from cosim.model.fault import Fault
+from cosim.model.node import Node
+from cosim.model.signals import Vector
+
+
+@dataclass(slots=True)
+class Shaper:
+    """One input: `place` is its own in the vector; `base` gives what it would be. Faults act in their order."""
+
+    vector: Vector
+    place: int
+    base: Callable[[], float]
+    faults: Sequence[Fault]
+    positions: Mapping[str, int]
+    random: np.random.Generator
+    acting: list[Acting | None] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.acting = [None] * len(self.faults)
+
+    def __call__(self) -> None:
+        """Show the value of now."""
+        time, value = float(self.vector[0]), self.base()
+        for k, fault in enumerate(self.faults):
+            if not self._lasts(fault, time):
+                self.acting[k] = None
+                continue
+            act = self.acting[k] or fault.effect.begin(time, value, self.random)
+            self.acting[k] = act
+            value = act(time, value)
+        self.vector[self.place] = value
+
+    def _lasts(self, fault: Fault, time: float) -> bool:
+        inside = fault.begin - ROUNDING <= time < fault.end - ROUNDING
+        return inside and all(each.holds(self.vector[self.positions[each.signal]]) for each in fault.when)
+
+
+def shapers(node: Node, vector: Vector, positions: Mapping[str, int]) -> list[Shaper]:
+    """One for each input of the node that has faults; noise is seeded by the run's seed and the signal's name."""
+    return [
+        Shaper(vector, positions[f"{node.name}.{name}"], _base(node, name, vector, positions), faults, positions,
+               np.random.default_rng(derived_seed(node.seed, f"{node.name}.{name}")))
+        for name, faults in node.faults.items()
+    ]  # fmt: skip
+
+
+def _base(node: Node, name: str, vector: Vector, positions: Mapping[str, int]) -> Callable[[], float]:
+    """What the input would be: what feeds it, or what it started with."""
+    connection = node.incoming.get(name)
+    if connection is None:
+        started = start(node, name)
+        return lambda: started
+    place = positions[f"{connection.source}.{connection.output}"]
+    return lambda: looked_up(connection, float(vector[place]))

@@ -1,0 +1,176 @@
+"""Faults of signals: their values at every exchange, in both schemes, against what their definitions give."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from cosim_mocks import Mock, face, simulate
+
+from cosim.errors import CosimError
+from cosim.model.effects import Delay, Drop, Effect, Freeze, Linear, Noise, Override, Ramp, Table
+from cosim.model.fault import Fault, comparisons
+from cosim.model.system import System
+from cosim.system_file.events import add_events_of
+
+STEP = 0.1
+
+
+def clocked(*faults: Fault, scheme: str = "multirate", at: tuple[float, str, float] | None = None, plant: bool = False):
+    """Rows of a clock whose time a meter shows, with faults on its way."""
+    mocks = {
+        "clock": Mock(face(outputs={"t": "s"}, step=STEP), lambda time, _length, _held: {"t": time}),
+        "meter": Mock(
+            face({"t": "s", "free": "m"}, {"seen": "s", "free_seen": "m"}, step=STEP, continuous=plant),
+            lambda _time, _length, held: {"seen": held["t"], "free_seen": held.get("free", 0.0)},
+        ),
+    }
+    system = System()
+    system.add("clock", "Mock")
+    system.add("meter", "Mock")
+    system.connect("clock", "meter")
+    for fault in faults:
+        system.fail(fault)
+    if at is not None:
+        system.at(*at)
+    outcome, rows = simulate(system, mocks, 1.0, scheme)
+    assert outcome.status == "ok", outcome.reason
+    return mocks["meter"].steps, {name: np.array([row[name] for row in rows]) for name in rows[0]}
+
+
+def taken(effect: Effect, begin: float = 0.3, end: float = 0.7, **options: str) -> np.ndarray:
+    """What the meter takes at 0, 0.1, ... 0.9 s."""
+    steps, rows = clocked(Fault("meter.t", effect, begin, end), **options)
+    values = np.array([held["t"] for _, _, held in steps])
+    np.testing.assert_array_equal(rows["clock.t"][:10], np.arange(10) / 10)  # before: as it was
+    np.testing.assert_array_equal(rows["meter.t"][:10], values)  # after: recorded in the row of its tick
+    return values
+
+
+CLOCK = np.arange(10) / 10
+LASTS = (CLOCK >= 0.3) & (CLOCK < 0.7)
+
+
+@pytest.mark.parametrize(
+    ("effect", "expected"),
+    [
+        (Override(5.0), np.where(LASTS, 5.0, CLOCK)),
+        (Linear(2.0, 1.0), np.where(LASTS, 2 * CLOCK + 1, CLOCK)),
+        (Freeze(), np.where(LASTS, 0.3, CLOCK)),
+        (Ramp(1.3, 0.2), np.where(LASTS, np.clip(0.3 + (CLOCK - 0.3) / 0.2, 0.3, 1.3), CLOCK)),
+        (Table((0.4, 0.6), (1.0, 3.0)), np.where(LASTS, np.clip(1 + 10 * (CLOCK - 0.4), 1.0, 3.0), CLOCK)),
+        (Delay(0.2), np.where(LASTS, np.maximum(CLOCK - 0.2, 0.3), CLOCK)),
+        (Drop(1.0), np.where(LASTS, 0.3, CLOCK)),
+        (Drop(0.0), CLOCK),
+    ],
+)
+def test_effects(effect: Effect, expected: np.ndarray) -> None:
+    np.testing.assert_allclose(taken(effect), expected, atol=1e-12)
+
+
+def test_a_plant_has_the_fault_in_the_row_of_its_tick() -> None:
+    steps, rows = clocked(Fault("meter.t", Override(5.0), 0.3, 0.7), plant=True)
+    values = [held["t"] for _, _, held in steps]
+    np.testing.assert_array_equal(values, np.where(LASTS, 5.0, CLOCK))
+    np.testing.assert_array_equal(rows["meter.t"][:10], values)
+
+
+def test_noise_is_normal_and_repeatable() -> None:
+    """500 values of sigma 2 within four standard errors; the same seed and signal give the same values."""
+    mocks = {
+        "zero": Mock(face(outputs={"y": "m"}, step=0.001), lambda *_: {"y": 0.0}),
+        "taker": Mock(face({"y": "m", "z": "m"}, {"seen": "m"}, step=0.001), lambda *_: {"seen": 0.0}),
+    }
+    system = System()
+    for name in mocks:
+        system.add(name, "Mock")
+    system.connect("zero", "taker", {"y": "y", "z": "y"})
+    system.fail(Fault("taker.*", Noise(2.0)))
+    _, rows = simulate(system, mocks, 0.5)
+    _, again = simulate(system, mocks, 0.5)
+    y, z = (np.array([row[f"taker.{name}"] for row in rows[:-1]]) for name in "yz")
+    assert [row["taker.y"] for row in again[:-1]] == y.tolist()
+    assert abs(y.mean()) < 4 * 2 / math.sqrt(500) and y.std() == pytest.approx(2.0, rel=4 / math.sqrt(1000))
+    assert abs(np.corrcoef(y, z)[0, 1]) < 4 / math.sqrt(500)
+
+
+def test_dropped_values_are_as_many_as_they_should_be() -> None:
+    steps = [_dropping(seed) for seed in range(60)]
+    lost = np.mean(steps)
+    assert lost == pytest.approx(0.3, abs=4 * math.sqrt(0.3 * 0.7 / (60 * 99)))
+
+
+def _dropping(seed: int) -> float:
+    act = Drop(0.3).begin(0.0, 0.0, np.random.default_rng(seed))
+    values = [act(float(k), float(k)) for k in range(1, 100)]
+    return float(np.mean(np.array(values) != np.arange(1, 100)))
+
+
+def test_conditions() -> None:
+    """While all hold; an effect that begins again begins anew."""
+    when = comparisons("clock.t >= 0.2 and clock.t != 0.5")
+    steps, _ = clocked(Fault("meter.t", Freeze(), when=when))
+    values = [held["t"] for _, _, held in steps]
+    assert values == pytest.approx([0.0, 0.1, 0.2, 0.2, 0.2, 0.5, 0.6, 0.6, 0.6, 0.6])
+
+
+def test_faults_act_one_after_the_other() -> None:
+    steps, _ = clocked(Fault("meter.t", Linear(2.0)), Fault("meter.t", Linear(1.0, 1.0)))
+    assert [held["t"] for _, _, held in steps] == pytest.approx(2 * CLOCK + 1)
+
+
+@pytest.mark.parametrize("scheme", ["multirate", "jacobi"])
+@pytest.mark.parametrize("plant", [False, True])
+def test_an_override_of_a_free_input_is_what_an_event_sets(scheme: str, plant: bool) -> None:
+    _, set_ = clocked(scheme=scheme, at=(0.3, "meter.free", 4.0), plant=plant)
+    _, overridden = clocked(Fault("meter.free", Override(4.0), 0.3), scheme=scheme, plant=plant)
+    for name in set_:
+        if name != "meter.free_seen":  # mocks do not take what events set
+            np.testing.assert_array_equal(set_[name], overridden[name], err_msg=name)
+
+
+def test_mistakes(tmp_path: Path) -> None:
+    def said(text: str) -> None:
+        file = tmp_path / "events.toml"
+        file.write_text(text)
+        system = System()
+        system.add("meter", "Mock")
+        add_events_of(str(file), system)
+
+    for text, sentence in {
+        "[[events]]\ntime = 1.0": "event 1: give set, or a signal and one of",
+        '[[events]]\nsignal = "meter.t"': "give set, or a signal and one of",
+        '[[events]]\nsignal = "meter.t"\nfreeze = true\ndelay = 1.0': "freeze and delay are two effects",
+        '[[events]]\nsignal = "meter.t"\ndelay = -1.0': "delay is -1; give a positive number",
+        '[[events]]\nsignal = "meter.t"\nramp_to = 1.0': "over is missing",
+        '[[events]]\nsignal = "meter.t"\ndrop = 2.0': "the probability",
+        '[[events]]\nsignal = "meter.t"\nbias = 1.0\ntime = 2.0\nuntil = 1.0': "lasts from 2 to 1 s",
+        '[[events]]\nsignal = "meter.t"\nbias = 1.0\nwhen = "much"': "cannot read the condition 'much'",
+        '[[events]]\nsignal = "metre.t"\nbias = 1.0': "unknown instance .*metre",
+        '[[events]]\nsignal = "meter.t"\ntable = "none.csv"': r"none\.csv cannot be read",
+        '[[events]]\nset = {"meter.t" = 1.0}\nuntil = 2.0': "set stands alone",
+        '[[events]]\nsignals = "meter.t"': "unknown key `signals`",
+    }.items():
+        with pytest.raises(CosimError, match=sentence):
+            said(text)
+    with pytest.raises(CosimError, match=r"unknown events .*gps-outtage"):
+        add_events_of("gps-outtage", System())
+
+
+@pytest.mark.parametrize(
+    ("fault", "sentence"),
+    [
+        (Fault("meter.seen", Freeze()), "unknown input of meter .*seen"),
+        (Fault("meter.t", Freeze(), when=comparisons("clock.x > 1")), "unknown output .*clock.x"),
+    ],
+)
+def test_signals_that_are_not_there(fault: Fault, sentence: str) -> None:
+    with pytest.raises(CosimError, match=sentence):
+        clocked(fault)
+
+
+def test_set_and_changed_by_two_events() -> None:
+    with pytest.raises(CosimError, match=r"meter\.free is set by one event and changed by another"):
+        clocked(Fault("meter.free", Freeze()), at=(0.3, "meter.free", 4.0))
