@@ -63,6 +63,11 @@ class Fault:
     end: float = math.inf
     when: tuple[Comparison, ...] = ()
 
+    @property
+    def condition(self) -> str:
+        """The comparisons as `comparisons` reads them."""
+        return " and ".join(f"{each.signal} {each.sign} {each.number!r}" for each in self.when)
+
     def __post_init__(self) -> None:
         if not (0.0 <= self.begin < self.end) or math.isinf(self.begin):
             raise CosimError(

@@ -76,6 +76,9 @@ def _tell_what_is_lost(nodes: Iterable[Node]) -> None:
     if count:
         said = "1 value that changes" if count == 1 else f"{count} values that change"
         _LOG.warning("SSP 1.0 has no place for %s during the run: an annotation keeps it, other tools ignore it", said)
+    faulty = [f"{node.name}.{name}" for node in nodes for name in node.faults]
+    if faulty:
+        _LOG.warning("SSP 1.0 has no place for faults: those of %s stay behind", ", ".join(faulty))
     texts = [f"{node.name}.{name}" for node in nodes for name in node.values if node.face.ports[name].type == "String"]
     if texts:
         _LOG.warning("OMSimulator reads no values of Strings, and here needs %s set by hand", " and ".join(texts))

@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable, Iterable
 from importlib.metadata import entry_points
 from importlib.resources import files
+from itertools import pairwise
 from pathlib import Path
 
 from cosim.errors import CosimError, unknown
@@ -64,7 +65,7 @@ def _effect(event: EventForm, kind: str, folder: Path) -> Effect:
     made: dict[str, Callable[[], Effect]] = {
         "override": lambda: Override(value),
         "ramp_to": lambda: Ramp(value, _positive(event.over, "over")),
-        "table": lambda: _table(folder / value),
+        "table": lambda: _checked(value, kind) if isinstance(value, list) else _table(folder / value),
         "noise": lambda: Noise(_positive(value, kind)),
         "freeze": Freeze,
         "delay": lambda: Delay(_positive(value, kind)),
@@ -90,15 +91,21 @@ def _table(file: Path) -> Table:
     try:
         with file.open(encoding="utf-8-sig", newline="") as opened:
             lines = [line for line in csv.reader(opened) if line]
-        rows = [(float(time), float(value)) for time, value in lines[1:]]
+        rows = [[float(cell) for cell in line] for line in lines[1:]]
     except OSError as error:
         raise CosimError(f"{file} cannot be read: {because(error)}") from None
     except (ValueError, csv.Error):
         raise CosimError(f"{file} is no table: give a line of names, then lines of time and value") from None
-    times = [time for time, _ in rows]
-    if not rows or not all(map(math.isfinite, times)) or sorted(set(times)) != times:
-        raise CosimError(f"{file}: the times must increase from line to line")
-    return Table(tuple(times), tuple(value for _, value in rows))
+    return _checked(rows, str(file))
+
+
+def _checked(rows: list[list[float]], name: str) -> Table:
+    if not rows or any(len(row) != 2 or not all(map(math.isfinite, row)) for row in rows):
+        raise CosimError(f"{name} is no table: give rows of time and value")
+    times, values = zip(*rows, strict=True)
+    if any(after <= before for before, after in pairwise(times)):
+        raise CosimError(f"{name}: the times must increase from row to row")
+    return Table(times, values)
 
 
 def offered() -> dict[str, Path]:

@@ -41,7 +41,8 @@ class ConnectionForm(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=T
 class EventForm(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=True):
     """What happens from `time` to `until` [s], while `when` holds: unconnected inputs are `set`, or a signal changes.
 
-    `signal` is an input, connected or not, with one effect; `ramp_to` needs `over` [s], `table` a CSV file.
+    `signal` is an input, connected or not, with one effect; `ramp_to` needs `over` [s], `table` is a CSV file
+    or its rows of time and value.
     """
 
     time: float = 0.0
@@ -52,7 +53,7 @@ class EventForm(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=True):
     override: float | None = None
     ramp_to: float | None = None
     over: float | None = None
-    table: str | None = None
+    table: str | list[list[float]] | None = None
     scale: float | None = None
     bias: float | None = None
     noise: float | None = None

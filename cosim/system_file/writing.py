@@ -13,7 +13,9 @@ from cosim.engine.loader import Loader
 from cosim.errors import CosimError
 from cosim.model.clock import to_seconds
 from cosim.model.configuration import Configuration
-from cosim.model.system import Event, Instance, Link, Wire
+from cosim.model.effects import Delay, Drop, Freeze, Linear, Noise, Override, Ramp, Table
+from cosim.model.fault import Fault
+from cosim.model.system import Event, Instance, Link, System, Wire
 from cosim.model.transformation import Lookup
 from cosim.run.prepare import RunPlan, plan
 from cosim.run.request import Request
@@ -48,19 +50,19 @@ def _form(made: RunPlan, file: Path, tables: dict[str, Path]) -> SystemForm:
         name=request.scenario.name,
         title=request.scenario.title,
         stop_time=to_seconds(request.stop),
-        record_every=to_seconds(request.interval) if request.interval else SystemForm.record_every,
+        record_every=to_seconds(request.interval),
         unrecorded=list(request.scenario.unrecorded),
         instances={
-            name: _instance(instance, _kept(configuration, name, file.stem, tables), file)
+            name: _instance(system, instance, _kept(configuration, name, file.stem, tables), file)
             for name, instance in system.instances.items()
         },
         connections=[*map(_wire, system.wires), *(_link(link) for link in system.links)],
-        events=_events(system.events),
+        events=[*_events(system.events), *map(fault_form, system.faults)],
     )
 
 
-def _instance(instance: Instance, values: dict[str, Scalar], file: Path) -> InstanceForm:
-    model = instance.model
+def _instance(system: System, instance: Instance, values: dict[str, Scalar], file: Path) -> InstanceForm:
+    model = str(system.files.get(instance.model, instance.model))
     if model.endswith(".fmu"):
         path, here = Path(model).resolve(), file.parent.resolve()
         model = str(path.relative_to(here)) if path.is_relative_to(here) else str(path)
@@ -105,6 +107,29 @@ def _link(link: Link) -> ConnectionForm:
             form.factor, form.offset = step.factor, step.offset
     if [isinstance(step, Lookup) for step in steps] not in ([], [True], [False], [True, False]):
         raise CosimError(f"{form.source} -> {form.target}: a system file has no place for these steps on the way")
+    return form
+
+
+def fault_form(fault: Fault) -> EventForm:
+    """One event; the steps of a table stand in it."""
+    form = EventForm(fault.begin, signal=fault.signal, until=fault.end, when=fault.condition)
+    match fault.effect:
+        case Override(value):
+            form.override = value
+        case Ramp(value, duration):
+            form.ramp_to, form.over = value, duration
+        case Table(times, values):
+            form.table = [list(row) for row in zip(times, values, strict=True)]
+        case Linear(factor, bias):
+            form.scale, form.bias = factor, bias
+        case Noise(sigma):
+            form.noise = sigma
+        case Freeze():
+            form.freeze = True
+        case Delay(duration):
+            form.delay = duration
+        case Drop(probability):
+            form.drop = probability
     return form
 
 

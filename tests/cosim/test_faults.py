@@ -13,7 +13,8 @@ from cosim.errors import CosimError
 from cosim.model.effects import Delay, Drop, Effect, Freeze, Linear, Noise, Override, Ramp, Table
 from cosim.model.fault import Fault, comparisons
 from cosim.model.system import System
-from cosim.system_file.events import add_events_of
+from cosim.system_file.events import add_events, add_events_of
+from cosim.system_file.writing import fault_form
 
 STEP = 0.1
 
@@ -131,6 +132,16 @@ def test_an_override_of_a_free_input_is_what_an_event_sets(scheme: str, plant: b
             np.testing.assert_array_equal(set_[name], overridden[name], err_msg=name)
 
 
+def test_faults_written_into_a_system_file_are_read_again(tmp_path: Path) -> None:
+    effects = [Override(1.0), Ramp(2.0, 3.0), Table((0.0, 1.0), (2.0, 3.0)), Linear(2.0, 1.0), Noise(0.5), Freeze()]
+    when = comparisons("clock.t > 0.25 and clock.t <= 3")
+    faults = [Fault("meter.t", effect, 1.0, 2.0, when) for effect in (*effects, Delay(0.1), Drop(0.3))]
+    system = System()
+    system.add("meter", "Mock")
+    add_events(system, [fault_form(fault) for fault in faults], tmp_path / "events.toml")
+    assert system.faults == faults
+
+
 def test_mistakes(tmp_path: Path) -> None:
     def said(text: str) -> None:
         file = tmp_path / "events.toml"
@@ -150,6 +161,8 @@ def test_mistakes(tmp_path: Path) -> None:
         '[[events]]\nsignal = "meter.t"\nbias = 1.0\nwhen = "much"': "cannot read the condition 'much'",
         '[[events]]\nsignal = "metre.t"\nbias = 1.0': "unknown instance .*metre",
         '[[events]]\nsignal = "meter.t"\ntable = "none.csv"': r"none\.csv cannot be read",
+        '[[events]]\nsignal = "meter.t"\ntable = [[0.0, 1.0], [0.0, 2.0]]': "table: the times must increase",
+        '[[events]]\nsignal = "meter.t"\ntable = [[0.0, 1.0, 2.0]]': "give rows of time and value",
         '[[events]]\nset = {"meter.t" = 1.0}\nuntil = 2.0': "set stands alone",
         '[[events]]\nsignals = "meter.t"': "unknown key `signals`",
     }.items():
