@@ -39,7 +39,7 @@ def add_events(system: System, events: Iterable[EventForm], file: Path) -> None:
 
 
 def _add(system: System, event: EventForm, where: str, folder: Path) -> None:
-    given = [key for key in _EFFECTS if getattr(event, key) not in (None, False)]
+    given = [key for key in _EFFECTS if getattr(event, key) is not None and getattr(event, key) is not False]
     if event.set is not None:
         if event.signal is not None or given or event.when or event.until != math.inf:
             raise CosimError(f"{where}: set stands alone with time; give other effects a signal")

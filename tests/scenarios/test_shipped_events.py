@@ -39,7 +39,7 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Results:
 def test_no_fixes_for_3_s(tmp_path: Path, undisturbed: Results) -> None:
     """The estimate's own deviation grows while there is none, and falls again with the first."""
     results = ran("lateral-tracking", "gps-outage", tmp_path, 8.5)
-    name = next(n for n in results.names if n.startswith("filter.") and "sigma" in n and "position" in n)
+    name = "filter.std.position.x"
     at = lambda values, time: values[np.searchsorted(results.time, time)]  # noqa: E731
     grown, usual = results[name], undisturbed[name]
     assert at(grown, 4.9) == at(usual, 4.9)
