@@ -69,6 +69,9 @@ def run_command(
     isolate_timeout: Annotated[
         float, typer.Option(metavar="S", help="What a call of an isolated instance may take, in s of wall time.")
     ] = ISOLATION_TIMEOUT,
+    realtime: Annotated[
+        float | None, typer.Option(metavar="FACTOR", help="Keep to the clock: 1 is real time, 2 twice as fast.")
+    ] = None,
     explain: Annotated[bool, typer.Option("--explain", help="Print order, periods, edges and conversions.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON and nothing else.")] = False,
@@ -96,6 +99,7 @@ def run_command(
             periods=parse_periods(periods or []),
             replacements=replacements(replace),
             event_files=event_files or (),
+            realtime=realtime,
         )
         stop = stop_time if stop_time is not None else scenario.stop_time
         explainer = _explainer(to_stderr=as_json or quiet) if explain else lambda _plan: None

@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from cosim.engine.master import Status
+from cosim.engine.outcome import Status
 from cosim.results.summary import Summary
 from cosim.scenario.limit import Verdict
 from cosim.scenario.metric import Metric
@@ -39,6 +39,11 @@ def show(summary: Summary, folder: Path) -> None:
     if of_all:
         console.print(_one_per_row(of_all))
     _show_vehicles(console, summary.metrics)
+    if summary.pace is not None:
+        pace = summary.pace
+        console.print(
+            f"{pace.overruns} of {pace.ticks} ticks began more than 1 ms late, the worst by {pace.latest * 1e3:.1f} ms"
+        )
     speed = f"{summary.wall_time:.2f} s for {summary.stop_time:g} s, {summary.real_time_factor:.1f} x real time"
     console.print(f"ran in {speed}; results in {folder}", soft_wrap=True, markup=False)
 

@@ -9,19 +9,19 @@ Sequential are the sampled slaves and parallel the continuous ones; with the sch
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from ctypes import c_double
-from dataclasses import dataclass
 from functools import partial
 from itertools import islice
 from time import perf_counter_ns
-from typing import Literal
 
 import numpy as np
 
 from cosim.engine import changes
 from cosim.engine.bound import Bound, gather, gather_texts
 from cosim.engine.order import Action, Order, Tick, both
+from cosim.engine.outcome import Outcome, judged
+from cosim.engine.pace import Pace
 from cosim.engine.schedule import Schedule, active_ticks
 from cosim.engine.shaping import shapers
 from cosim.engine.slave import Memory, Slave, SlaveError, do_nothing
@@ -31,22 +31,6 @@ from cosim.model.signals import Signal, Vector
 from fmukit.errors import because
 
 _BLOCK = 64  # ticks between two looks at the interrupt flag and the progress display
-
-
-Status = Literal["ok", "missed", "failed", "interrupted"]
-"""`missed`: the run went to its end, but not as its scenario wants."""
-
-
-@dataclass(frozen=True, slots=True)
-class Outcome:
-    """How a run ended: at simulated `time` [ns], after `wall` [ns]; calls and time [ns] per instance."""
-
-    status: Status
-    reason: str
-    time: int
-    wall: int
-    calls: Mapping[str, int]
-    times: Mapping[str, int]
 
 
 class Master:
@@ -87,24 +71,29 @@ class Master:
         record: Action,
         progress: Callable[[int], None] = lambda _time: None,
         interrupted: Callable[[], bool] = lambda: False,
+        pace: Pace | None = None,
     ) -> Outcome:
         """Advance from 0 to `stop` [ns]; `record` is called per active tick and once at the end.
+
+        With a `pace` it keeps to the clock on the wall, as far as it can.
 
         A slave that fails, or a recorder that cannot write (OSError), ends the run with status "failed"; one that wants
         the simulation to end, with "ok".
         """
         start = perf_counter_ns()
         status, reason, time = "ok", "", 0
-        ticks = changes.merged(self._ticks(stop, record), self._changes())
+        ticks, block = self.ticks(stop, record), _BLOCK
+        if pace is not None:
+            ticks, block = pace.paced(ticks, interrupted), 1
         try:
-            time = self._loop(ticks, progress, interrupted, stop)
+            time = self._loop(ticks, progress, interrupted, stop, block)
             if time < stop:
                 status, reason = "interrupted", f"interrupted at {to_seconds(time):g} s"
             else:
-                self._finish(stop, record)
+                self.finish(stop, record)
         except SlaveError as failure:
             time = round(self._time.value * SECOND)
-            status, reason = _judged(failure, f"at {to_seconds(time):g} s")
+            status, reason = judged(failure, f"at {to_seconds(time):g} s")
         except OSError as error:
             time = round(self._time.value * SECOND)
             status, reason = "failed", f"the results cannot be written at {to_seconds(time):g} s: {because(error)}"
@@ -119,18 +108,33 @@ class Master:
         progress: Callable[[int], None],
         interrupted: Callable[[], bool],
         stop: int,
+        size: int,
     ) -> int:
-        clock, time = self._time, 0
+        time = 0
         while not interrupted():
-            block = list(islice(ticks, _BLOCK))
-            for time, order in block:
-                clock.value = time / SECOND
-                for action in order.actions:
-                    action()
+            block = list(islice(ticks, size))
+            time = self.advance(block, time)
             progress(time)
-            if len(block) < _BLOCK:
+            if len(block) < size:
                 return stop
         return time
+
+    def advance(self, ticks: Iterable[Tick], reached: int = 0) -> int:
+        """Do what is due at the ticks; the time [ns] of the last, `reached` if there is none.
+
+        Raises SlaveError, or OSError of the recorder.
+        """
+        clock = self._time
+        for time, order in ticks:
+            clock.value = time / SECOND
+            for action in order.actions:
+                action()
+            reached = time
+        return reached
+
+    def ticks(self, stop: int, record: Action) -> Iterator[Tick]:
+        """(time, what to do) in time order up to `stop` [ns], with what events do."""
+        return changes.merged(self._ticks(stop, record), self._changes())
 
     def _ticks(self, stop: int, record: Action) -> Iterator[Tick]:
         """(time, what to do) in time order; the last steps of the parallel slaves are cut to end at `stop`."""
@@ -189,7 +193,8 @@ class Master:
         bound = self._bound[name]
         return [*self._shapers[name], bound.exchange, *([] if bound.publish is do_nothing else [bound.publish])]
 
-    def _finish(self, stop: int, record: Action) -> None:
+    def finish(self, stop: int, record: Action) -> None:
+        """Show what belongs to the end of the last steps, and record a last row."""
         self._time.value = to_seconds(stop)
         for name in self.schedule.parallel:
             self._bound[name].publish()
@@ -232,13 +237,6 @@ class Master:
             return do_nothing
         first = self.written.index(_signal(node, node.texts[0]))
         return partial(self.texts.__setitem__, slice(first, first + len(own)), own)
-
-
-def _judged(failure: SlaveError, when: str) -> tuple[str, str]:
-    """Status and reason of a run that a slave ended."""
-    if failure.ended:
-        return "ok", f"{failure.instance} ended the simulation {when}"
-    return "failed", failure.sentence(when)
 
 
 def _signal(node: Node, name: str) -> Signal:

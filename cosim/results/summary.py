@@ -9,7 +9,8 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from cosim.engine.master import Outcome, Status
+from cosim.engine.outcome import Outcome, Status
+from cosim.engine.pace import Pace
 from cosim.model.clock import SECOND, to_seconds
 from cosim.model.node import Node
 from cosim.results.provenance import Provenance, command_line
@@ -31,6 +32,20 @@ class InstanceSummary:
 
 
 @dataclass(frozen=True, slots=True)
+class PaceSummary:
+    """How a run kept the time of the wall.
+
+    It was to make `factor` simulated seconds per second; `overruns` of its `ticks` began more than 1 ms late, the worst
+    by `latest` [s].
+    """
+
+    factor: float
+    ticks: int
+    overruns: int
+    latest: float
+
+
+@dataclass(frozen=True, slots=True)
 class Summary:
     """The content of summary.json; its keys are the names of these fields, and `units` of the metrics beside them.
 
@@ -44,6 +59,7 @@ class Summary:
     unrecorded        patterns of the signals that were left out of the results
     seed              seed of all noise
     command           the command line of the process
+    pace              how a run with --realtime kept its time, null without: see `PaceSummary`
     provenance        what the run was made of, see `cosim.results.provenance.Provenance`
     instances         what each instance did, by its name
     limits            what the scenario wants of its metrics, by what is wrong where it is not kept: `metric`, `value`,
@@ -66,6 +82,7 @@ class Summary:
     instances: Mapping[str, InstanceSummary]
     metrics: Mapping[str, Metric] = field(default_factory=dict)
     limits: Sequence[Verdict] = ()
+    pace: PaceSummary | None = None
 
     def data(self) -> dict[str, Any]:
         """The summary as JSON has it: plain values only, metrics apart from their units."""
@@ -90,6 +107,7 @@ def summarise(
     limits: Sequence[Verdict] = (),
     record_every: int = 0,
     unrecorded: Sequence[str] = (),
+    pace: Pace | None = None,
 ) -> Summary:
     """The summary of a run that ended with `outcome`; `record_every` [ns]."""
     wall, reached = outcome.wall / SECOND, to_seconds(outcome.time)
@@ -108,6 +126,7 @@ def summarise(
         instances={name: _instance(name, node, outcome) for name, node in nodes.items()},
         metrics=metrics,
         limits=tuple(limits),
+        pace=None if pace is None else PaceSummary(pace.factor, pace.ticks, pace.overruns, pace.latest),
     )
 
 

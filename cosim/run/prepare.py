@@ -9,6 +9,7 @@ from typing import Any
 
 from cosim.engine.loader import Loader
 from cosim.engine.models import declared, find
+from cosim.engine.pace import Pace
 from cosim.engine.schedule import Schedule, schedule
 from cosim.errors import CosimError
 from cosim.model.assembly import assemble, changing, leave_out
@@ -44,13 +45,14 @@ class Configured:
 
 @dataclass(frozen=True, slots=True)
 class RunPlan:
-    """What is going to run: the checked nodes of a configured system and the order in which they do."""
+    """What is going to run: the checked nodes of a configured system, in which order they do, and at which pace."""
 
     request: Request
     configured: Configured
     nodes: dict[str, Node]
     schedule: Schedule
     provenance: Provenance = field(default_factory=Provenance)
+    pace: Pace | None = None
 
 
 def plan(request: Request, loader: Loader) -> RunPlan:
@@ -64,7 +66,8 @@ def plan(request: Request, loader: Loader) -> RunPlan:
     for remark in (*remarks(made.configuration.system, nodes), *misfits(made.originals, nodes)):
         _LOG.warning("%s", remark)
     files = {node.model: loader.file(node.model) for node in nodes.values()}
-    return RunPlan(request, made, nodes, order, provenance(request, made.settings, nodes, files))
+    pace = None if request.realtime is None else Pace(request.realtime)
+    return RunPlan(request, made, nodes, order, provenance(request, made.settings, nodes, files), pace)
 
 
 def configured(request: Request, loader: Loader) -> Configured:

@@ -30,7 +30,7 @@ class Request:
     `isolate` are patterns of instances that get processes of their own (see `System.isolate`), each call of which may
     take `isolate_timeout` [s] of wall time. `periods` are (pattern of instances, period [s]), the last counts.
     `replacements` are (instance or pattern of such, .fmu file): see `cosim.run.replacing`. `event_files` are files of
-    events, or names of those that packages offer.
+    events, or names of those that packages offer. `realtime` are simulated seconds per second of the wall to keep to.
     """
 
     scenario: Scenario
@@ -49,11 +49,15 @@ class Request:
     periods: Sequence[tuple[str, float]] = ()
     replacements: Sequence[tuple[str, Path]] = ()
     event_files: Sequence[str] = ()
+    realtime: float | None = None
 
     def __post_init__(self) -> None:
         _ = self.stop, self.interval  # before anything is prepared, or removed from the folder
         if not 1e-3 <= self.isolate_timeout <= _LONGEST:
             raise CosimError(f"the time-out of isolated instances is {self.isolate_timeout:g} s; give 0.001 to 1e6 s")
+
+        if self.realtime is not None and not 0.0 < self.realtime <= _LONGEST:
+            raise CosimError(f"the pace is {self.realtime:g} x real time; give a positive number")
 
     @property
     def stop(self) -> int:

@@ -11,7 +11,8 @@ from pathlib import Path
 
 from cosim.engine.advice import pass_on
 from cosim.engine.loader import Loader
-from cosim.engine.master import Master, Outcome, Status
+from cosim.engine.master import Master
+from cosim.engine.outcome import Outcome, Status
 from cosim.engine.slave import Slave, SlaveError
 from cosim.errors import CosimError
 from cosim.model.clock import SECOND, to_seconds
@@ -101,7 +102,8 @@ def execute(made: RunPlan, load: Load, progress: Progress = lambda _time: None) 
                 raise lost
             master.initialise()
             said = pass_on(slaves)
-            outcome = master.run(made.request.stop, recorder, partial(_kept, recorder, progress), interrupted)
+            kept = partial(_kept, recorder, progress)
+            outcome = master.run(made.request.stop, recorder, kept, interrupted, made.pace)
         except SlaveError as failure:
             outcome = Outcome("failed", failure.sentence("at initialisation"), 0, 0, {}, {})
         except BaseException:
@@ -166,7 +168,7 @@ def _concluded(made: RunPlan, outcome: Outcome) -> Finished:
     except Exception as error:  # code of the scenario's author, after a run whose results are good
         outcome = _unmeasured(outcome, error)
     about = (request.scenario.name, request.seed, outcome, made.nodes, made.provenance, metrics, verdicts)
-    summary = summarise(*about, request.interval, request.unrecorded)
+    summary = summarise(*about, request.interval, request.unrecorded, made.pace)
     try:
         write_summary(summary, request.folder)
     except OSError as error:

@@ -8,7 +8,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from cosim.engine.master import Master, Outcome
+from cosim.engine.master import Master
+from cosim.engine.outcome import Outcome
 from cosim.engine.schedule import Scheme, schedule
 from cosim.engine.slave import Calls, Memory, SlaveError
 from cosim.model.assembly import assemble

@@ -34,6 +34,7 @@ SUMMARY = {
     "seed": int,
     "command": str,
     "provenance": dict,
+    "pace": type(None),
     "instances": dict,
     "metrics": dict,
     "units": dict,
