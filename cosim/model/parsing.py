@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 
 from cosim.errors import CosimError
@@ -24,11 +25,12 @@ def parse_periods(texts: Iterable[str]) -> list[tuple[str, float]]:
     for text in texts:
         name, _, value = text.rpartition("=")
         try:
-            periods.append((name.strip(), float(value)))
+            seconds = float(value)
         except ValueError:
-            name = ""
-        if not name.strip():
+            seconds = math.nan
+        if not name.strip() or math.isnan(seconds):
             raise CosimError(f"cannot read {text!r}; write --period instance=seconds")
+        periods.append((name.strip(), seconds))
     return periods
 
 

@@ -15,7 +15,6 @@ from cosim.ssp.document import Where
 AS_IT_IS = Conversion()
 Items = tuple[tuple[str, int], ...]
 """Names and values of an enumeration."""
-Kind = Literal["input", "output", "parameter", "calculatedParameter", "inout"]
 
 
 @dataclass(frozen=True, slots=True)

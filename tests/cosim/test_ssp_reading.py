@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import math
 import re
 import shutil
 import zipfile
 from pathlib import Path
 
+import pyarrow.parquet as pq
 import pytest
 from small_c import foreign, variable
 from ssp_files import (
@@ -25,6 +27,10 @@ from ssp_files import (
     ran,
     ssd,
 )
+
+from cosim.command import main as cli
+from cosim.errors import CosimError
+from cosim.model.parsing import parse_periods
 
 GAIN = "u=input k=parameter y=output"
 THREE = '<ssc:LinearTransformation factor="3"/>'
@@ -397,3 +403,36 @@ def test_equal_runs_give_equal_files(folder: Path) -> None:
         ran(file, folder / name)
         made.append((folder / name / "results.parquet").read_bytes())
     assert made[0] == made[1]
+
+
+@pytest.mark.parametrize("path", ["t.ssp", "folder", "folder/SystemStructure.ssd"])
+def test_the_command(
+    folder: Path, path: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """With the options of a scenario; the results have the name of the file."""
+    text = ssd(elements(component("c", "resources/gain.fmu", GAIN)))
+    packed(folder / "t.ssp", {"SystemStructure.ssd": text, "resources/gain.fmu": folder / "gain.fmu"})
+    with zipfile.ZipFile(folder / "t.ssp") as archive:
+        archive.extractall(folder / "folder")
+    monkeypatch.chdir(folder)
+    options = ["--set", "c.k=3", "--at", "0.1:c.u=2", "--period", "?=0.05", "--stop-time", "0.2", "--json", "--explain"]
+    monkeypatch.setattr("sys.argv", ["cosim", "run", path, *options])
+    with pytest.raises(SystemExit) as end:
+        cli.main()
+    printed = capsys.readouterr()
+    assert end.value.code == 0
+    assert json.loads(printed.out)["provenance"]["periods"] == ["?=0.05"]
+    assert "50 ms" in printed.err
+    values = pq.read_table(folder / "results" / Path(path).stem / "results.parquet")["c.y"].to_pylist()
+    assert values == [3.0, 3.0, 3.0, 6.0, 6.0]
+
+
+@pytest.mark.parametrize(("text", "expected"), [("car*=0.01", [("car*", 0.01)]), ("a=b=1", [("a=b", 1.0)])])
+def test_periods_are_read(text: str, expected: list[tuple[str, float]]) -> None:
+    assert parse_periods([text]) == expected
+
+
+@pytest.mark.parametrize("text", ["x", "=1", "a=", "a=b"])
+def test_periods_that_are_none(text: str) -> None:
+    with pytest.raises(CosimError, match="write --period instance=seconds"):
+        parse_periods([text])
