@@ -27,8 +27,8 @@ from fmukit.files import write
 def export_system(request: Request, file: Path) -> Path:
     """Write what the request would run as `file` and return it; raises CosimError.
 
-    Tables that String parameters name are copied into a folder beside it, called as the file without its suffix.
-    The scenario's own metrics, limits and picture are code, which stays behind.
+    Tables that String parameters name and FMUs that an SSP packs are copied into a folder beside it, called as the file
+    without its suffix. The scenario's own metrics, limits and picture are code, which stays behind.
     """
     with Loader(request.find) as loader:
         made = plan(request, loader)
@@ -53,7 +53,7 @@ def _form(made: RunPlan, file: Path, tables: dict[str, Path]) -> SystemForm:
         record_every=to_seconds(request.interval),
         unrecorded=list(request.scenario.unrecorded),
         instances={
-            name: _instance(system, instance, _kept(configuration, name, file.stem, tables), file)
+            name: _instance(system, instance, _kept(configuration, name, file.stem, tables), file, tables)
             for name, instance in system.instances.items()
         },
         connections=[*map(_wire, system.wires), *(_link(link) for link in system.links)],
@@ -61,9 +61,14 @@ def _form(made: RunPlan, file: Path, tables: dict[str, Path]) -> SystemForm:
     )
 
 
-def _instance(system: System, instance: Instance, values: dict[str, Scalar], file: Path) -> InstanceForm:
-    model = str(system.files.get(instance.model, instance.model))
-    if model.endswith(".fmu"):
+def _instance(
+    system: System, instance: Instance, values: dict[str, Scalar], file: Path, copies: dict[str, Path]
+) -> InstanceForm:
+    model = instance.model
+    own = system.files.get(model)
+    if own is not None and str(own) != model:  # unpacked, for as long as the run lasts
+        model = _copied(own, file.stem, copies, ".fmu")
+    elif model.endswith(".fmu"):
         path, here = Path(model).resolve(), file.parent.resolve()
         model = str(path.relative_to(here)) if path.is_relative_to(here) else str(path)
     return InstanceForm(model, instance.period, instance.kind, values)
@@ -79,12 +84,13 @@ def _kept(configuration: Configuration, name: str, folder: str, tables: dict[str
     return values
 
 
-def _copied(table: Path, folder: str, tables: dict[str, Path]) -> str:
-    """Where the copy of a table goes, relative to the system file; numbered where another table has its name."""
-    name, number = f"{folder}/{table.name}", 1
-    while tables.setdefault(name, table) != table:
+def _copied(file: Path, folder: str, copies: dict[str, Path], suffix: str | None = None) -> str:
+    """Where the copy of a file goes, relative to the system file; numbered where another file has its name."""
+    suffix = file.suffix if suffix is None else suffix
+    name, number = f"{folder}/{file.stem}{suffix}", 1
+    while copies.setdefault(name, file) != file:
         number += 1
-        name = f"{folder}/{table.stem}-{number}{table.suffix}"
+        name = f"{folder}/{file.stem}-{number}{suffix}"
     return name
 
 

@@ -28,6 +28,7 @@ from cosim.scenario.described import Description, scenario_of
 from cosim.scenario.discovery import load, names
 from cosim.ssp.export import export
 from cosim.ssp.namespaces import PREFIXES, SCHEMAS
+from cosim.system_file.writing import export_system
 
 ENUMERATION = '<SimpleType name="{}"><Enumeration>{}</Enumeration></SimpleType>'
 MODES = '<Item name="off" value="1"/><Item name="on" value="2"/>'
@@ -207,3 +208,16 @@ def test_what_was_read_is_written_again(tmp_path: Path) -> None:
     with opened(str(first)) as scenario:
         root = valid(same(scenario, tmp_path))
     assert [each.get("name") for each in root.iterfind(".//ssd:Component", PREFIXES)] == ["s_c", "t_c"]
+
+
+def test_an_ssp_becomes_a_system_file(tmp_path: Path, typed: Scenario) -> None:
+    """With its FMUs beside it, its connections and their transformations."""
+    packed_ = export(Request(typed, tmp_path), tmp_path / "typed.ssp")
+    with opened(str(packed_)) as scenario:
+        file = export_system(Request(scenario, tmp_path), tmp_path / "typed.toml")
+        before = run(Request(scenario, tmp_path / "before"))
+    after = ran(file, tmp_path / "after")
+    assert after.summary.status == before.summary.status == "ok"
+    tables = [pq.read_table(tmp_path / name / "results.parquet") for name in ("before", "after")]
+    assert all(tables[0][name].equals(tables[1][name]) for name in tables[0].column_names)
+    assert tables[0].column_names == tables[1].column_names
