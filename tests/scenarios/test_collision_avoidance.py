@@ -9,6 +9,7 @@ from cosim.errors import CosimError
 from cosim.run.request import Request
 from cosim.run.running import run
 from cosim.scenario.discovery import load
+from cosim.scenario.metric import Metric
 from fmus.planner.evasion.decision import decide
 from fmus.planner.evasion.situation import Encounter, Surroundings
 from fmus.planner.evasion.table import read
@@ -124,7 +125,9 @@ def test_where_there_is_no_room_the_last_points_to_steer_are_null_and_keep_their
     given = [("scenario.width", "7"), ("scenario.distance", "60")]
     summary = run(Request(load(NAME), tmp_path, given, stop_time=0.1)).summary
     assert summary.metrics["decision"].value == 0
-    assert summary.metrics["last_point_to_steer"] == (math.inf, "m")
+    assert summary.metrics["last_point_to_steer"] == Metric(math.inf, "m")
+    assert summary.data()["metrics"]["decision"] == "brake"
+    assert summary.data()["metrics"]["mpc_unsolved"] == 0
     assert summary.data()["metrics"]["last_point_to_steer"] is None
 
 

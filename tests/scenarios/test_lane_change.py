@@ -243,13 +243,14 @@ def test_runs_are_the_same_to_the_byte(tmp_path: Path) -> None:
 
 def test_an_exported_system_brings_the_plan_and_names_the_failure(tmp_path: Path) -> None:
     with zipfile.ZipFile(export(Request(load("motor-failure"), tmp_path), tmp_path / "m.ssp")) as archive:
-        structure, values = archive.read("SystemStructure.ssd"), archive.read("resources/reference.ssv").decode()
+        structure = archive.read("SystemStructure.ssd")
         fmu = tmp_path / "r.fmu"
         fmu.write_bytes(archive.read("resources/ReferenceTrajectory.fmu"))
     assert b'time="4.0" element="plant" connector="motor_available.rr" value="0.0"' in structure
-    name = values.partition('name="trajectory_file"')[2].partition('value="')[2].partition('"')[0]
-    assert name == "double-lane-change.csv"
     with zipfile.ZipFile(fmu) as archive:
+        description = archive.read("modelDescription.xml").decode()
+        name = description.partition('name="trajectory_file"')[2].partition('start="')[2].partition('"')[0]
+        assert name == "double-lane-change.csv"
         assert archive.read(f"resources/{name}").startswith(b"time,x,y,course,speed,acceleration,curvature\n")
 
 
