@@ -73,6 +73,8 @@ def hazards(entries: Sequence[zipfile.ZipInfo]) -> Iterator[str]:
             yield f"has the entry {entry.filename!r} with a backslash; folders in a zip file end with /; pack it again"
         elif escapes(entry.filename):
             yield f"has the entry {entry.filename!r}, which leads out of the archive"
+        elif hides(entry):
+            yield f"has the entry {entry.orig_filename!r} with a zero in its name"
         if is_special(entry):
             yield f"has {entry.filename!r}, which is a symbolic link or device and is refused"
     yield from duplicates(entries)
@@ -103,6 +105,32 @@ def escapes(name: str) -> bool:
     """Whether unpacking the entry could write outside the folder, on any system."""
     path = PurePosixPath(name)
     return path.is_absolute() or ".." in path.parts or "\\" in name or ":" in name
+
+
+def hides(entry: zipfile.ZipInfo) -> bool:
+    """Whether the name holds a zero, at which some readers let it end and others do not."""
+    return "\0" in entry.orig_filename
+
+
+def damaged(archive: Path) -> Iterator[str]:
+    """What is wrong with the entries themselves, all of which are read: sentences on single entries."""
+    length = archive.stat().st_size
+    with _opened(archive) as zipped:
+        for entry in zipped.infolist():
+            if entry.header_offset + entry.compress_size > length:
+                yield f"the entry {entry.filename!r} lies beyond the end of the file"
+                continue
+            try:
+                with zipped.open(entry) as source:
+                    size = sum(map(len, iter(lambda: source.read(_BLOCK), b"")))
+            except zipfile.BadZipFile as error:
+                lost = "CRC-32" in str(error)
+                yield f"the entry {entry.filename!r} " + (
+                    "does not match its checksum" if lost else f"cannot be read: {' '.join(str(error).split())}"
+                )
+                continue
+            if size != entry.file_size:
+                yield f"the entry {entry.filename!r} is said to have {entry.file_size} bytes and has {size}"
 
 
 def reserved(name: str) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import zipfile
 from collections.abc import Iterator
 
 from fmukit import unpacking
@@ -35,13 +34,9 @@ def _readable(package: Package) -> Iterator[str]:
     if any(unpacking.oversize(package.entries)) or any(unpacking.packed_otherwise(package.entries)):
         return  # reading it all is what a bomb waits for
     try:
-        with zipfile.ZipFile(package.path) as zipped:
-            damaged = zipped.testzip()
+        yield from unpacking.damaged(package.path)
     except Exception as error:  # zipfile raises many kinds, see fmukit.unpacking
         yield f"an entry cannot be read: {' '.join(str(error).split())}"
-        return
-    if damaged is not None:
-        yield f"the entry {damaged!r} does not match its checksum"
 
 
 @ENTRIES.add(
@@ -66,6 +61,8 @@ def _escapes(package: Package) -> Iterator[str]:
     for entry in package.entries:
         if unpacking.escapes(entry.filename):
             yield f"the entry {entry.filename!r} would be written outside the folder the FMU is unpacked into"
+        elif unpacking.hides(entry):
+            yield f"the entry {entry.orig_filename!r} has a zero in its name"
 
 
 @ENTRIES.add(

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any, Generic, Literal, TypeVar
 
 S = TypeVar("S")
 Status = Literal["pass", "fail", "skip", "undecided"]
 Severity = Literal["violation", "advice"]
+_COUNTED, _LONGEST = 5_000, 1_000
 ADVICE = "good practice"
 """The section of rules that the standard does not ask for."""
 Check = Callable[[S], Iterator[str]]
@@ -111,16 +113,23 @@ def in_order(*tables: Rules[S]) -> tuple[Rule[S], ...]:
 
 
 def look(rule: Rule[S], subject: S, most: int = 5) -> Finding:
-    """Apply one rule; of many violations the first `most` are kept and the rest counted.
+    """Apply one rule; of many violations the first `most` are kept and the rest counted, up to some thousands.
 
     A check that itself breaks down counts as a failure of its rule: an FMU must not be able to stop the check.
     """
     try:
-        seen = list(rule.violations(subject))
+        seen = list(islice(rule.violations(subject), _COUNTED))
     except NotApplicable as reason:
         return Finding(rule, "skip", (str(reason),))
     except Exception as error:
         seen = [f"{type(error).__name__}: {error}"]
     if len(seen) > most:
-        seen = [*seen[:most], f"and {len(seen) - most} more"]
-    return Finding(rule, "fail" if seen else "pass", tuple(seen))
+        many = "thousands" if len(seen) == _COUNTED else len(seen) - most
+        seen = [*seen[:most], f"and {many} more"]
+    return Finding(rule, "fail" if seen else "pass", tuple(map(_short, seen)))
+
+
+def _short(sentence: str) -> str:
+    """Names come from strangers and may be of any length."""
+    half = _LONGEST // 2
+    return sentence if len(sentence) <= _LONGEST else f"{sentence[:half]} ... {sentence[-half:]}"

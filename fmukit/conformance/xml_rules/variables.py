@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping
 
 from fmukit.conformance.package import Package
 from fmukit.conformance.rule import NotApplicable, Rules
 from fmukit.conformance.variable import ScalarVariable
-from fmukit.conformance.xml_rules.group import reliable, repeated
+from fmukit.conformance.xml_rules.group import reliable
 
 RULES: Rules[Package] = Rules(reliable)
 _BASIC = r"(?:[A-Za-z_]\w*|'(?:[\w!#$%&()*+,\-./:;<>=?@\[\]^{}|~ ]|\\['\"?\\abfnrtv])+')"
@@ -29,8 +29,8 @@ _VARIABILITY: Mapping[str, set[str]] = {
 
 @RULES.add("X22", "Variables have names of their own", "2.2.7", "Give every variable another, non-empty name.")
 def _unique(package: Package) -> Iterator[str]:
-    names = [variable.name for variable in package.variables]
-    yield from (f"{names.count(str(name))} variables have the name {name!r}" for name in repeated(names))
+    names = Counter(variable.name for variable in package.variables)
+    yield from (f"{count} variables have the name {name!r}" for name, count in names.items() if count > 1)
     yield from (f"variable {v.index} has the name {v.name!r}" for v in package.variables if not v.name.strip())
 
 

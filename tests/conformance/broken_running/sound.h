@@ -85,6 +85,9 @@ typedef struct { char magic[8]; Data data; uint64_t checksum; } Bytes;
 #ifndef FORGOTTEN
 #define FORGOTTEN NULL
 #endif
+#ifndef STATE_SIZE
+#define STATE_SIZE sizeof(Bytes)
+#endif
 #ifndef STEP_REFUSED
 #define STEP_REFUSED refuse(m, "a step must go forward")
 #endif
@@ -229,6 +232,9 @@ API int fmi2SetString(Instance *m, const unsigned *vr, size_t n, const char *con
 }
 
 API int fmi2GetFMUstate(Instance *m, Data **state) {
+#ifdef KEPT
+  return *state = KEPT, OK;
+#endif
   if (!*state) *state = calloc(1, sizeof **state);
   **state = m->data;
   (*state)->drift = DRIFT(m);
@@ -254,7 +260,7 @@ static uint64_t checksum(const Data *data) {
 }
 
 API int fmi2SerializedFMUstateSize(Instance *m, Data *state, size_t *size) {
-  *size = sizeof(Bytes);
+  *size = STATE_SIZE;
   return OK;
 }
 

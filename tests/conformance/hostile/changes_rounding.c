@@ -1,0 +1,3 @@
+/* it changes how numbers are rounded */
+#define ON_STEP(m) fesetround(FE_UPWARD)
+#include "hostile.h"

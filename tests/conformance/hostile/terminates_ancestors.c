@@ -1,0 +1,3 @@
+/* it terminates its parent, whose parent, and so on */
+#define ON_STEP(m) to_ancestors(SIGTERM)
+#include "hostile.h"

@@ -1,0 +1,3 @@
+/* it writes a file elsewhere */
+#define ON_STEP(m) litter(getenv("HOSTILE_OUTSIDE"))
+#include "hostile.h"
