@@ -26,6 +26,37 @@ pytestmark = pytest.mark.skipif(
 HOSTILE = sorted((SOURCES.parent / "hostile").glob("*.c"))
 FENCED = {"kills_parent", "stops_parent", "kills_ancestors", "writes_outside", "goes_away", "deletes_outside"}
 """What needs the fence: without it these do harm, if only to themselves and to files of the same user."""
+QUICK = [
+    "aborts",
+    "alarm",
+    "another_program",
+    "exits",
+    "exits_at_once",
+    "float_trap",
+    "fork_bomb",
+    "forks",
+    "forges_and_exits",
+    "frees_foreign",
+    "is_traced",
+    "kills_group",
+    "kills_itself",
+    "kills_parent_and_stays",
+    "limits_itself",
+    "loops_when_made",
+    "null_pointer",
+    "overflows_stack",
+    "reserves_addresses",
+    "sleeps",
+    "stays_unmarked",
+    "stops_itself",
+    "takes_memory_together",
+    "throws",
+    "truncates_itself",
+    "waits_for_child",
+    "writes_outside",
+    "kills_ancestors",
+]
+"""What ends within the first rules, and so soon; the others are tried at night."""
 DEADLINE = Deadline(call=4.0, rule=40.0, busy=15.0, check=600.0)
 _SAID = re.compile(r"/\* said: (.*) \*/")
 
@@ -70,7 +101,12 @@ def _command(pid: int) -> list[str]:
         return []
 
 
-@pytest.mark.parametrize("source", HOSTILE, ids=lambda source: source.stem)
+def _when(source: Path) -> object:
+    marks = () if source.stem in QUICK else (pytest.mark.nightly,)
+    return pytest.param(source, id=source.stem, marks=marks)
+
+
+@pytest.mark.parametrize("source", map(_when, HOSTILE))
 def test_the_check_survives(
     source: Path, outside: Path, mark: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -93,6 +129,8 @@ def test_the_check_survives(
 
 def test_there_are_enough_of_them() -> None:
     assert len(HOSTILE) >= 80
+    assert set(QUICK) <= {source.stem for source in HOSTILE}
+    assert len(QUICK) >= 25
 
 
 def test_forged_answers_pass_nothing(tmp_path: Path) -> None:

@@ -89,6 +89,8 @@ class Calls(RuleBasedStateMachine):
     @rule(k=which, type_=st.sampled_from(TYPES), data=st.data())
     def set_anything(self, k: int, type_: str, data: st.DataObject) -> None:
         vrs = data.draw(self.draws.references[type_])
+        if type_ == "String":
+            self.subject.count("texts")
         self.life(k).set(type_, vrs, [data.draw(any_value(type_)) for _ in vrs])
 
     @rule(k=which, type_=st.sampled_from(TYPES), data=st.data())
@@ -136,6 +138,7 @@ class Calls(RuleBasedStateMachine):
             at %= len(data)
             data = data[:at] if cut else bytes([*data[:at], data[at] ^ 1, *data[at + 1 :]])
         life, copy = self.life(k), c_void_p()
+        self.subject.count("bytes")
         self.subject.note(f"{life.name}: deSerializeFMUstate of {len(data)} bytes, changed at {at}")
         assert life.instance.deserialise(data, copy) == OK
         if at is None:
