@@ -106,7 +106,7 @@ def _when(source: Path) -> object:
     return pytest.param(source, id=source.stem, marks=marks)
 
 
-@pytest.mark.parametrize("source", map(_when, HOSTILE))
+@pytest.mark.parametrize("source", [_when(source) for source in HOSTILE])
 def test_the_check_survives(
     source: Path, outside: Path, mark: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
