@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -46,6 +46,15 @@ class Batch:
         count = len(self._schema) - len(numbers)
         words = [pa.array([row[i] for row in texts], pa.string()) for i in range(count)]
         return pa.record_batch([*numbers, *words], schema=self._schema)
+
+
+def schema_of(signals: Sequence[Signal], about: Mapping[bytes, bytes] | None = None) -> Any:
+    """The Arrow schema of the time and the signals, with their units; `about` is its metadata."""
+    columns = [("time", "s", "Real"), *((signal.name, signal.unit, signal.type) for signal in signals)]
+    return pa.schema(
+        [pa.field(name, TYPES[type_], metadata={"unit": unit} if unit else None) for name, unit, type_ in columns],
+        metadata=dict(about) if about else None,
+    )
 
 
 def is_plain(schema: Any) -> bool:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
 
 from cosim.errors import CosimError
 from cosim.results.reading import Results
@@ -34,8 +35,7 @@ def convert(results: Results, file: Path, patterns: Sequence[str] = (), every: f
 
 
 def _csv(results: Results, names: Sequence[str], chosen: np.ndarray, file: Path) -> None:
-    import pyarrow as pa  # noqa: PLC0415 - each format has its own library, and a run needs none of them
-    from pyarrow import csv  # noqa: PLC0415
+    from pyarrow import csv  # noqa: PLC0415 - each format has its own library, and a run needs none of them
 
     columns = {"time": results.time[chosen]} | {name: results[name][chosen] for name in names}
     csv.write_csv(pa.table(columns), file, csv.WriteOptions(quoting_style="needed"))

@@ -6,7 +6,7 @@ Of a Parquet file the columns are read when they are asked for, so that many veh
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -73,6 +73,12 @@ class Results:
         if name not in self:
             raise unknown("signal", name, self.names, "the columns of results.parquet are the signals")
         return np.asarray(self._table.column(name).to_numpy())
+
+    def table(self, names: Sequence[str] | None = None) -> Any:
+        """The time and all columns, or those named, as a pyarrow table; `.to_pandas()` of it is a data frame."""
+        chosen = ["time", *(self.names if names is None else names)]
+        schema = pa.schema([self._table.schema.field(name) for name in chosen])
+        return pa.table([self._table.column(name) for name in chosen], schema=schema)
 
     def unit(self, name: str) -> str:
         """The unit of a column, or an empty string."""

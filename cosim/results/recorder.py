@@ -9,7 +9,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from ctypes import c_double
 from pathlib import Path
 from time import monotonic
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -17,7 +16,7 @@ import pyarrow as pa
 from cosim.model.clock import SECOND, to_seconds
 from cosim.model.patterns import matches_any
 from cosim.model.signals import Signal, Vector
-from cosim.results.columns import TYPES, Batch, Texts
+from cosim.results.columns import Batch, Texts, schema_of
 from cosim.results.growing import Growing
 from cosim.results.storage import BEFORE, STREAM, group_rows, groups, sink
 
@@ -65,7 +64,7 @@ class Recorder:
         self._rows = list(self._chunk)
         self._columns = np.zeros(self._chunk.T.shape)
         kept = [*(signals[i] for i in chosen), *(texts.signals if texts else ())]
-        self._schema = _schema(kept, about)
+        self._schema = schema_of(kept, about)
         self._batch = Batch(self._columns, self._schema)
         self._texts = texts or Texts((), ())
         self._said: list[list[str]] = []
@@ -165,11 +164,3 @@ def _span(rows: int | None, columns: int) -> int:
         return 1 << 62
     group = group_rows(max(1, rows), columns)
     return group * max(1, round(SPAN_VALUES / (group * columns)))
-
-
-def _schema(signals: Sequence[Signal], about: Mapping[bytes, bytes] | None) -> Any:
-    columns = [("time", "s", "Real"), *((signal.name, signal.unit, signal.type) for signal in signals)]
-    return pa.schema(
-        [pa.field(name, TYPES[type_], metadata={"unit": unit} if unit else None) for name, unit, type_ in columns],
-        metadata=dict(about) if about else None,
-    )

@@ -15,15 +15,15 @@ from cosim.engine.master import Master
 from cosim.engine.outcome import Outcome, Status
 from cosim.engine.slave import Slave, SlaveError
 from cosim.errors import CosimError
-from cosim.model.clock import SECOND, to_seconds
 from cosim.results.columns import Texts
 from cosim.results.growing import FOOTER, PARTIAL
 from cosim.results.provenance import KEY, lines_of_title
-from cosim.results.reading import Facts, Results, load_results
+from cosim.results.reading import Results, load_results
 from cosim.results.recorder import Recorder, recorded
 from cosim.results.storage import PARQUET, STREAM
 from cosim.results.summary import SUMMARY, Summary, summarise, write_summary
 from cosim.run.claim import claimed, unwritable
+from cosim.run.facts import facts
 from cosim.run.interrupts import interrupts
 from cosim.run.prepare import RunPlan, plan
 from cosim.run.request import Request
@@ -156,7 +156,7 @@ def _kept(recorder: Recorder, progress: Progress, time: int) -> None:
 def _concluded(made: RunPlan, outcome: Outcome) -> Finished:
     """The results read back and measured, and the summary, which is written beside them."""
     request, configured = made.request, made.configured
-    results = load_results(request.folder, _facts(made))
+    results = load_results(request.folder, facts(made))
     metrics: Metrics = {}
     verdicts: list[Verdict] = []
     try:
@@ -188,18 +188,3 @@ def _unmeasured(outcome: Outcome, error: Exception) -> Outcome:
     sentence = f"the metrics cannot be computed: {kind}{error}"
     status = "failed" if outcome.status == "ok" else outcome.status
     return replace(outcome, status=status, reason="; ".join(filter(None, [outcome.reason, sentence])))
-
-
-def _facts(made: RunPlan) -> Facts:
-    configuration = made.configured.configuration
-    return Facts(
-        periods={name: node.period / SECOND for name, node in made.nodes.items()},
-        settings=made.configured.settings,
-        values={name: configuration.values(name) | node.values for name, node in made.nodes.items()},
-        stop=to_seconds(made.request.stop),
-        absent=frozenset(
-            signal
-            for name, original in made.configured.originals.items()
-            for signal in original.silent(made.nodes[name].face)
-        ),
-    )
