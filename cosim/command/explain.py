@@ -37,9 +37,12 @@ def _order(plan: RunPlan) -> Table:
 
 def _edges(nodes: Mapping[str, Node], schedule: Schedule) -> Table:
     table = _table("from", "to", "signals", "value read")
-    counts = Counter((c.source, c.target) for c in _connections(nodes))
+    counts = Counter((c.source, c.target) for node in nodes.values() for c in node.incoming.values())
     for (source, target), count in counts.items():
         table.add_row(source, target, str(count), _reading(source, target, schedule))
+    once = Counter((c.source, c.target) for node in nodes.values() for c in node.given.values())
+    for (source, target), count in once.items():
+        table.add_row(source, target, str(count), "once, while all initialise")
     return table
 
 
@@ -84,7 +87,7 @@ def _unconnected(nodes: Mapping[str, Node]) -> Table:
 
 
 def _connections(nodes: Mapping[str, Node]) -> list[Connection]:
-    return [connection for node in nodes.values() for connection in node.incoming.values()]
+    return [connection for node in nodes.values() for connection in node.connections]
 
 
 def _table(*columns: str) -> Table:

@@ -19,6 +19,7 @@ import numpy as np
 
 from cosim.engine import changes
 from cosim.engine.bound import Bound, gather, gather_texts
+from cosim.engine.giving import giving
 from cosim.engine.order import Action, Order, Tick, both
 from cosim.engine.outcome import Outcome, judged
 from cosim.engine.pace import Pace
@@ -61,9 +62,12 @@ class Master:
         for name in self.schedule.initial:
             self._slaves[name].enter()
             self._bound[name] = self._bind(self._nodes[name], self._slaves[name])
-        for _ in range(2):
-            self._propagate(leave=False)
-        self._propagate(leave=True)
+        numbers = (self.vector, self._index)
+        texts = (self.texts, {signal.name: i for i, signal in enumerate(self.written)})
+        givers = {name: giving(node, self._slaves[name], numbers, texts) for name, node in self._nodes.items()}
+        self._propagate({}, leave=False)  # before anything is given what nobody has calculated yet
+        self._propagate(givers, leave=False)
+        self._propagate(givers, leave=True)
 
     def run(
         self,
@@ -200,9 +204,10 @@ class Master:
             self._bound[name].publish()
         record()
 
-    def _propagate(self, *, leave: bool) -> None:
+    def _propagate(self, givers: Mapping[str, Action], *, leave: bool) -> None:
         for name in self.schedule.initial:
             bound = self._bound[name]
+            givers.get(name, do_nothing)()
             for shape in self._shapers[name]:
                 shape()
             bound.gather()

@@ -10,7 +10,7 @@ from cosim.model.clock import SECOND, nanoseconds
 from cosim.model.configuration import LOOK, SAMPLE_PERIOD, Configuration, names, selected
 from cosim.model.face import Face, Port, Value
 from cosim.model.fault import Fault
-from cosim.model.node import Change, Node, place
+from cosim.model.node import Change, Connection, Node, place
 from cosim.model.patterns import matches_any
 from cosim.model.system import Event, Instance
 from cosim.model.values import coerce
@@ -33,12 +33,13 @@ def assemble(configuration: Configuration, seed: int, step: float | None = None)
             node.period = nanoseconds(step, "the common step")
     links = [linked(link, nodes) for link in system.links]
     for connection in (*(found for wire in system.wires for found in expanded(wire, nodes)), *links):
-        attach(nodes[connection.target], connection)
+        attach(nodes, connection)
     for node in nodes.values():
         node.incoming = dict(sorted(node.incoming.items(), key=lambda item: place(node.face, item[0])))
     for node in nodes.values():
-        for name in node.values.keys() & node.incoming.keys():
-            raise _connected(node, name)
+        for connection in node.connections:
+            if connection.input in node.values:
+                raise _connected(node, connection)
     for event in sorted(system.events, key=lambda event: event.time):
         for name, variable in selected(system, faces, event.signal, ("input",)):
             _schedule(nodes[name], event, variable)
@@ -50,7 +51,7 @@ def assemble(configuration: Configuration, seed: int, step: float | None = None)
 
 def leave_out(nodes: Mapping[str, Node], patterns: Sequence[str]) -> None:
     """Outputs that nothing reads are not fetched if their signal fits a pattern such as **.tyre_force_x.fl."""
-    read = {(connection.source, connection.output) for node in nodes.values() for connection in node.incoming.values()}
+    read = {(connection.source, connection.output) for node in nodes.values() for connection in node.connections}
     read |= {place for node in nodes.values() for place in _watched(node, nodes)}
     for node in nodes.values():
         kept = {name for name in (*node.outputs, *node.texts) if not matches_any(f"{node.name}.{name}", patterns)}
@@ -92,15 +93,15 @@ def _period(name: str, instance: Instance, face: Face, values: Mapping[str, Valu
     return nanoseconds(float(step), f"the period of {name} ({face.model})")
 
 
-def _connected(node: Node, input_: str) -> CosimError:
-    return CosimError(f"{node.name}.{input_} cannot be set, as it is connected: {node.incoming[input_].text}")
+def _connected(node: Node, connection: Connection) -> CosimError:
+    return CosimError(f"{node.name}.{connection.input} cannot be set, as it is connected: {connection.text}")
 
 
 def _schedule(node: Node, event: Event, name: str) -> None:
     """The event sets the input `name` of the node; of two at one time the later one counts."""
     port = changing(node.name, node.face, name)
     if name in node.incoming:
-        raise _connected(node, name)
+        raise _connected(node, node.incoming[name])
     time = round(event.time * SECOND)
     due = -(-time // node.period) * node.period
     change = Change(time, due, name, coerce(event.signal, port, event.value), event.signal)

@@ -44,7 +44,8 @@ class Node:
 
     `changes` of unconnected inputs during the run, in order of time. `outputs` are those that are fetched, all numbers
     as doubles; `texts` are the Strings. An `isolated` one runs in a process of its own.
-    `faults` are those of its inputs, by input, and `seed` is the run's.
+    `faults` are those of its inputs, by input, and `seed` is the run's. `given` are parameters that others calculate
+    while all initialise, by parameter.
     """
 
     name: str
@@ -60,6 +61,12 @@ class Node:
     isolated: bool = False
     faults: dict[str, list[Fault]] = field(default_factory=dict)
     seed: int = 0
+    given: dict[str, Connection] = field(default_factory=dict)
+
+    @property
+    def connections(self) -> list[Connection]:
+        """All that feeds the node, at every exchange or once."""
+        return [*self.incoming.values(), *self.given.values()]
 
     @property
     def incoming_numbers(self) -> list[Connection]:
@@ -76,7 +83,15 @@ class Node:
     def __post_init__(self) -> None:
         self.outputs, self.texts = self.face.numbers, self.face.texts
 
+    def show(self, variable: str) -> None:
+        """Fetch a variable that is no output among the outputs."""
+        if self.face.ports[variable].type == "String":
+            self.texts = tuple(dict.fromkeys((*self.texts, variable)))
+        else:
+            found = dict.fromkeys((*self.outputs, variable))
+            self.outputs = tuple(sorted(found, key=lambda name: place(self.face, name)))
+
 
 def place(face: Face, input_: str) -> int:
-    """Inputs are taken type by type, in the order of `TYPES`."""
+    """Variables are taken and given type by type, in the order of `TYPES`."""
     return TYPES.index(face.ports[input_].type)

@@ -33,11 +33,12 @@ def _is_output(face: Face, name: str) -> bool:
 
 
 def linked(link: Link, nodes: Mapping[str, Node]) -> Connection:
-    """A link between ports that exist."""
+    """A link between ports that exist: what an instance calculates when it initialises also feeds parameters."""
     source, target = nodes[link.source], nodes[link.target]
-    if not _is_output(source.face, link.output):
+    early = link.output in names(source.face, "calculatedParameter")
+    if not (early or _is_output(source.face, link.output)):
         raise _no_output(source, link.output)
-    if link.input not in names(target.face, "input"):
+    if link.input not in names(target.face, "input", *(["parameter"] if early else [])):
         raise no_input(target, link.input)
     return _connect(source, link.output, target, link.input, link.transformation)
 
@@ -75,8 +76,14 @@ def _no_output(node: Node, name: str) -> CosimError:
     return unknown(f"output of {node.name} ({node.face.model})", name, names(node.face, "output"), LOOK)
 
 
-def attach(node: Node, connection: Connection) -> None:
-    other = node.incoming.get(connection.input)
+def attach(nodes: Mapping[str, Node], connection: Connection) -> None:
+    """Let the connection feed its target; raises CosimError where something else does."""
+    source, node = nodes[connection.source], nodes[connection.target]
+    once = node.face.ports[connection.input].causality == "parameter"
+    feeding = node.given if once else node.incoming
+    other = feeding.get(connection.input)
     if other is not None:
         raise CosimError(f"{node.name}.{connection.input} is fed twice: {other.text} and {connection.text}")
-    node.incoming[connection.input] = connection
+    feeding[connection.input] = connection
+    if not _is_output(source.face, connection.output):
+        source.show(connection.output)

@@ -63,10 +63,10 @@ def _link(system: System, network: Network, faces: Mapping[str, Face], names: Ma
             continue
         giver, taker = (faces[network.components[path].model] for path in (source.path, node.path))
         causality = giver.ports[source.name].causality
-        if causality != "output" or port.causality != "input":
+        if causality == "output" and port.causality == "parameter":
             raise CosimError(
-                f"{way[0].joint.where}: {source.text} -> {node.text}: a value of the kind {causality} is known only "
-                f"when its FMU has been initialised, which cannot feed the kind {port.causality}; bind a value to it"
+                f"{way[0].joint.where}: {source.text} -> {node.text}: an output cannot feed a parameter, "
+                "which stays as it is while the system runs; bind a value to it"
             )
         made = carried(way, _measured(giver, source.name), _measured(taker, node.name))
         plain = made == _by_units(giver.unit(source.name), taker.unit(node.name))

@@ -110,12 +110,14 @@ def _bindings(component: ET.Element, member: str | None) -> None:
 
 
 def _shown(node: Node) -> list[Port]:
-    """The ports that have connectors."""
-    return [port for port in node.face.ports.values() if port.causality in ("input", "output")]
+    """The ports that have connectors: inputs, outputs, and parameters that are calculated for one another."""
+    calculated = {name for name in (*node.outputs, *node.texts) if node.face.ports[name].causality != "output"}
+    more = calculated | node.given.keys()
+    return [port for port in node.face.ports.values() if port.causality in ("input", "output") or port.name in more]
 
 
 def _connections(system: ET.Element, outline: Outline) -> None:
-    found = [connection for node in outline.nodes.values() for connection in node.incoming.values()]
+    found = [connection for node in outline.nodes.values() for connection in node.connections]
     parent = ET.SubElement(system, f"{{{SSD}}}Connections") if found else system
     for connection in found:
         ends = {

@@ -7,7 +7,6 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from small_c import foreign, variable
 from ssp_files import (
     binding,
     bound,
@@ -105,7 +104,7 @@ SYSTEMS = {
     "two inputs": (TWO + connections("c.u d.u"), "line 7: c.u and d.u both take values; connect one to an output"),
     "into a parameter": (
         TWO + connections("c.y d.k"),
-        "line 7: c.y -> d.k: a value of the kind output is known only when its FMU has been initialised",
+        "line 7: c.y -> d.k: an output cannot feed a parameter, which stays as it is while the system runs",
     ),
     "units": (
         elements(ONE, component("h", "hot.fmu")) + connections("c.y h.u"),
@@ -253,18 +252,6 @@ def test_fmus_that_are_none(folder: Path) -> None:
     assert "old.fmu" in refused(folder, ssd(elements(component("c", "old.fmu"))))
     (folder / "none.fmu").write_text("none")
     assert "none.fmu is not a readable zip archive" in refused(folder, ssd(elements(component("c", "none.fmu"))))
-
-
-def test_a_calculated_parameter_is_known_too_late(folder: Path) -> None:
-    ports = [variable("y", 1, "output")]
-    ports += [variable("p", 0, "calculatedParameter", variability="fixed", initial="calculated")]
-    foreign(folder / "calculated.fmu", ports)
-    system = elements(component("c", "calculated.fmu", "p=calculatedParameter"), component("d", "gain.fmu"))
-    sentence = refused(folder, ssd(system + connections("c.p d.k")))
-    assert (
-        "c.p -> d.k: a value of the kind calculatedParameter is known only when its FMU has been initialised"
-        in sentence
-    )
 
 
 @pytest.mark.parametrize(

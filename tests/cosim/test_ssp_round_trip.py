@@ -14,7 +14,7 @@ import pyarrow.parquet as pq
 import pytest
 from lxml import etree
 from small_c import foreign, variable
-from ssp_files import binding, component, elements, gain, packed, ran, ssd
+from ssp_files import binding, component, connected, connections, elements, gain, packed, ran, ssd
 
 from cosim.command.opening import opened
 from cosim.errors import CosimError
@@ -221,3 +221,47 @@ def test_an_ssp_becomes_a_system_file(tmp_path: Path, typed: Scenario) -> None:
     tables = [pq.read_table(tmp_path / name / "results.parquet") for name in ("before", "after")]
     assert all(tables[0][name].equals(tables[1][name]) for name in tables[0].column_names)
     assert tables[0].column_names == tables[1].column_names
+
+
+def calculating(file: Path) -> Path:
+    """Calculates a mass, a count, a flag and a name while it initialises, and takes such as parameters."""
+    fixed = {"variability": "fixed"}
+    ports = [variable("y", 3, "output"), variable("size", 0, "parameter", start="2", initial="exact", **fixed)]
+    for place, (name, kind, start) in enumerate([("m", "Real", "0"), ("n", "Integer", "0"), ("b", "Boolean", "false")]):
+        ports.append(variable(f"its_{name}", place + 4, "parameter", kind, start=start, initial="exact", **fixed))
+        ports.append(variable(name, place + 8, "calculatedParameter", kind, initial="calculated", **fixed))
+    ports.append(variable("its_s", 0, "parameter", "String", start="", initial="exact", **fixed))
+    ports.append(variable("s", 1, "calculatedParameter", "String", initial="calculated", **fixed))
+    calculated = "m->r[8] = 10 * m->r[0] + m->r[4]; m->i[9] = 3 + m->i[5]; m->i[10] = !m->i[6];"
+    calls = {
+        "fmi2GetReal": f"{calculated} for (size_t i = 0; i < n; ++i) v[i] = m->r[vr[i]];",
+        "fmi2GetInteger": f"{calculated} for (size_t i = 0; i < n; ++i) v[i] = m->i[vr[i]];",
+        "fmi2GetBoolean": f"{calculated} for (size_t i = 0; i < n; ++i) v[i] = m->i[vr[i]];",
+        "fmi2SetString": 'snprintf(m->name, sizeof m->name, "%s", v[0]);',
+        "fmi2GetString": 'static char s[80]; snprintf(s, 80, "%.40s!", m->steps ? m->name : m->name); v[0] = s;',
+        "fmi2ExitInitializationMode": "m->r[3] = m->r[4] + m->i[5] + m->i[6];",
+        "fmi2DoStep": "m->r[3] += 1000;",
+    }
+    return foreign(file, ports, calls)
+
+
+def test_what_one_calculates_feeds_parameters_of_another(tmp_path: Path) -> None:
+    """Through a connector of a system, with a transformation; also twice in a row; and again once exported."""
+    calculating(tmp_path / "c.fmu")
+    kinds = "m=calculatedParameter n=calculatedParameter:Integer b=calculatedParameter:Boolean"
+    kinds += " s=calculatedParameter:String"
+    inner = connected(kinds) + elements(component("c", "c.fmu", "", binding({"size": 4.0})))
+    inner += connections("c.m m", "c.n n", "c.b b", "c.s s")
+    last_ = component("e", "c.fmu", "", binding({"its_m": 7.0}))
+    parts = elements(f'<ssd:System name="s">{inner}</ssd:System>', component("d", "c.fmu"), last_)
+    half = '<ssc:LinearTransformation factor="0.5"/>'
+    into = [f"s.m d.its_m {half}", "s.n d.its_n", "s.b d.its_b", "s.s d.its_s"]
+    joined = connections(*into, "d.m e.its_m", "d.n e.its_n", "d.s e.its_s")
+    (tmp_path / "t.ssd").write_text(ssd(parts + joined))
+    for n, path in enumerate([tmp_path / "t.ssd", tmp_path / "again.ssp"]):
+        results = ran(path, tmp_path / str(n)).results
+        assert [results[f"{name}.y"][0] for name in "de"] == [20.0 + 3.0 + 1.0, 20.0 + 6.0]
+        assert (results["s.c.m"][0], results["d.m"][0], results["d.n"][0]) == (40.0, 20.0, 6.0)
+        assert (results["s.c.s"].tolist()[0], results["d.s"].tolist()[0]) == ("s.c!", "s.c!!")
+        with opened(str(path)) as scenario:
+            valid(export(Request(scenario, tmp_path), tmp_path / "again.ssp"))
