@@ -6,13 +6,14 @@ import re
 from collections.abc import Container, Iterable
 from urllib.parse import quote
 
-_UNSAFE = re.compile(r"[^\w.+#%@=,()\[\] -]|^\.+|\.+$")
+_UNSAFE = re.compile(r"[^A-Za-z0-9_.-]|^\.+|\.+$")
 
 
 def free_name(stem: str, suffix: str, taken: Container[str]) -> str:
     """`stem` + `suffix`, numbered where a file of that name is `taken` (in lower case: some systems tell no case).
 
-    Characters that lead out of a folder or that some system forbids become underscores.
+    Characters that lead out of a folder, that some system forbids, or that a URI has to escape become underscores: Ecos
+    resolves no escapes.
     """
     plain = _UNSAFE.sub("_", stem) or "_"
     name, number = plain + suffix, 1

@@ -10,6 +10,7 @@ import os
 from dataclasses import dataclass, field
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
+from urllib.request import url2pathname
 
 from cosim.errors import CosimError
 from cosim.ssp.document import Where
@@ -72,7 +73,7 @@ def located(uri: str, folder: Folder, where: Where) -> tuple[Path, str]:
     split = urlsplit(uri)
     if split.scheme not in ("", "file") or split.netloc not in ("", "localhost"):
         raise CosimError(f"{where}: {uri!r} is not on this machine; fetch it and refer to the file")
-    plain = unquote(split.path)
+    plain = url2pathname(split.path) if split.scheme else unquote(split.path)
     path = Path(os.path.normpath(folder.path / plain))
     if folder.top is not None and not split.scheme and not path.is_relative_to(folder.top):
         raise CosimError(f"{where}: {uri!r} leads out of {folder.archive}; pack the file into it")

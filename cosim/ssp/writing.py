@@ -45,10 +45,11 @@ def structure(outline: Outline, unrecorded: Iterable[str] = ()) -> bytes:
     root = ET.Element(f"{{{SSD}}}SystemStructureDescription", version="1.0", name=name, generationTool="cosim")
     system = ET.SubElement(root, f"{{{SSD}}}System", name=name)
     elements = ET.SubElement(system, f"{{{SSD}}}Elements")
-    enumerations, units = _enumerations(outline.nodes.values()), _units(outline.nodes.values())
+    shown = _shown(outline.nodes)
+    enumerations, units = _enumerations(shown.values()), _units(outline.nodes, shown)
     for instance, node in outline.nodes.items():
         component = _component(elements, outline, instance)
-        _connectors(component, node, enumerations, units)
+        _connectors(component, node, shown[instance], enumerations, units)
         _bindings(component, outline.sets.get(instance))
     _connections(system, outline)
     annotate(system, outline.nodes, outline.elements, outline.tick, outline.interval, unrecorded)
@@ -60,15 +61,17 @@ def structure(outline: Outline, unrecorded: Iterable[str] = ()) -> bytes:
 
 
 def values(node: Node) -> bytes:
-    """The parameter set (SSV) of one node, in the units of its FMU; items of Enumerations by their names."""
+    """The parameter set (SSV) of one node, in the units of its FMU.
+
+    Enumerations are numbers there: FMI 2.0 sets them as Integers, and Ecos opens no other.
+    """
     root = ET.Element(f"{{{SSV}}}ParameterSet", version="1.0", name=PARAMETERS)
     parameters = ET.SubElement(root, f"{{{SSV}}}Parameters")
     for name, value in node.values.items():
-        port = node.face.ports[name]
-        items = {number: item for item, number in port.items}
-        said = items.get(value, value) if isinstance(value, int) else value
+        type_ = node.face.ports[name].type
         parameter = ET.SubElement(parameters, f"{{{SSV}}}Parameter", name=name)
-        ET.SubElement(parameter, f"{{{SSV}}}{_type(port)}", value=literal(said))
+        kind = "Integer" if type_ == "Enumeration" else type_
+        ET.SubElement(parameter, f"{{{SSV}}}{kind}", value=literal(value))
     return _text(root)
 
 
@@ -88,10 +91,9 @@ def _component(elements: ET.Element, outline: Outline, instance: str) -> ET.Elem
 
 
 def _connectors(
-    component: ET.Element, node: Node, enumerations: Mapping[Items, str], units: Mapping[str, Unit]
+    component: ET.Element, node: Node, shown: list[Port], enumerations: Mapping[Items, str], units: Mapping[str, Unit]
 ) -> None:
-    """Inputs and outputs; a unit that another FMU defines otherwise is left to the FMU."""
-    shown = _shown(node)
+    """Connectors for the ports; a unit that another FMU defines otherwise is left to the FMU."""
     connectors = ET.SubElement(component, f"{{{SSD}}}Connectors") if shown else component
     for port in shown:
         connector = ET.SubElement(connectors, f"{{{SSD}}}Connector", name=port.name, kind=port.causality)
@@ -109,11 +111,18 @@ def _bindings(component: ET.Element, member: str | None) -> None:
         ET.SubElement(bindings, f"{{{SSD}}}ParameterBinding", source)
 
 
-def _shown(node: Node) -> list[Port]:
-    """The ports that have connectors: inputs, outputs, and parameters that are calculated for one another."""
-    calculated = {name for name in (*node.outputs, *node.texts) if node.face.ports[name].causality != "output"}
-    more = calculated | node.given.keys()
-    return [port for port in node.face.ports.values() if port.causality in ("input", "output") or port.name in more]
+def _shown(nodes: Mapping[str, Node]) -> dict[str, list[Port]]:
+    """The ports that have connectors: inputs and outputs, but Enumerations, which few tools know, only if connected."""
+    found = [connection for node in nodes.values() for connection in node.connections]
+    joined = {(c.source, c.output) for c in found} | {(c.target, c.input) for c in found}
+    return {
+        name: [
+            port
+            for port in node.face.ports.values()
+            if (name, port.name) in joined or (port.causality in ("input", "output") and port.type != "Enumeration")
+        ]
+        for name, node in nodes.items()
+    }
 
 
 def _connections(system: ET.Element, outline: Outline) -> None:
@@ -158,9 +167,9 @@ def _map(lookup: Lookup, source: Port, target: Port) -> tuple[str, list[tuple[st
     return "Integer", [(str(a), str(b)) for a, b in lookup.entries]
 
 
-def _enumerations(nodes: Iterable[Node]) -> dict[Items, str]:
+def _enumerations(shown: Iterable[list[Port]]) -> dict[Items, str]:
     """A name for the items of every enumeration of a connector."""
-    found = {port.items: None for node in nodes for port in _shown(node) if _type(port) == "Enumeration"}
+    found = {port.items: None for ports in shown for port in ports if _type(port) == "Enumeration"}
     return {items: f"Enumeration{number}" for number, items in enumerate(found, start=1)}
 
 
@@ -172,11 +181,11 @@ def _define_enumerations(root: ET.Element, enumerations: Mapping[Items, str]) ->
             ET.SubElement(enumeration, f"{{{SSC}}}Item", name=item, value=str(number))
 
 
-def _units(nodes: Iterable[Node]) -> dict[str, Unit]:
+def _units(nodes: Mapping[str, Node], shown: Mapping[str, list[Port]]) -> dict[str, Unit]:
     """The units of all connectors; of two definitions under one name the first."""
     used: dict[str, Unit] = {}
-    for node in nodes:
-        for port in _shown(node):
+    for name, node in nodes.items():
+        for port in shown[name]:
             if port.unit is not None and port.type == "Real":
                 used.setdefault(port.unit, _defined(node, port.unit))
     return used
