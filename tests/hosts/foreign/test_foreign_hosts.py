@@ -18,9 +18,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from host_job import Job
-from own_answer import Answer, ask, of_scenario
+from own_answer import Answer, alone, ask, of_scenario
 
+from cosim.engine.models import find
+from cosim.model.system import System
 from cosim.run.request import Request
+from cosim.scenario.described import Description, scenario_of
 from cosim.scenario.discovery import load
 from cosim.ssp.export import export
 
@@ -100,6 +103,20 @@ def test_an_exported_plan_travels_along(host, lane_change, tmp_path, answers):
     print(host, "ssp with a plan", deviations)
     assert deviations["reference"] < 1e-9
     assert deviations["plant"] < (1e-2 if host == "libcosim" else 1e-9)
+
+
+@pytest.mark.parametrize("host", ["ecos", "libcosim", "omsimulator"])
+def test_names_that_not_every_host_takes(host, tmp_path, answers):
+    """Of a file, an instance and a system: written so that they all find them."""
+    fmu = shutil.copy(find("ReferenceTrajectory"), tmp_path / "réf #1 50%.fmu")
+    system = System()
+    system.add("car.1-é", str(fmu))
+    scenario = scenario_of(Description("odd names", "", system, 1.0))
+    ssp = export(Request(scenario, tmp_path), tmp_path / "odd.ssp")
+    job, expected = ask(alone("ReferenceTrajectory", {}), 0.02, 40, 1)
+    signals = [("car_1__", output, reference) for _, output, reference in job["signals"]]
+    job = {"step": 0.02, "steps": 40, "every": 1, "signals": signals, "ssp": str(ssp)}
+    assert deviation(answers(host, {"odd": job})["odd"], expected) < 1e-9
 
 
 @pytest.fixture(scope="session")
