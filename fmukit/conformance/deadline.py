@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import isnan
 
 from fmukit.guard.stopwatch import Time
 
@@ -45,6 +46,8 @@ def _named(call: str) -> str:
 
 
 def _how(past: Time) -> str:
+    if isnan(past.cpu):
+        return ""
     if past.cpu < _IDLE * past.had:
         return f", in which it used the processor for {past.cpu:.1f} s: it sleeps or waits"
     return f", in which it used the processor for {past.cpu:.1f} s"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import nan
 from time import monotonic
 
 from fmukit.guard.guarded import Guarded
@@ -14,7 +15,10 @@ _LATE = 0.5
 @dataclass(frozen=True, slots=True)
 class Time:
     """Since the start of a stopwatch [s]: `wall` by the clock, `cpu` used by all its processes, and `starved`, in which
-    some of them were ready to run and got no processor (or the machine did not even let this process look)."""
+    some of them were ready to run and got no processor (or the machine did not even let this process look).
+
+    `cpu` is NaN where the system does not tell it.
+    """
 
     wall: float = 0.0
     cpu: float = 0.0
@@ -40,15 +44,17 @@ class Stopwatch:
         self._began = self._last = monotonic()
         self._cpu = self._starved = 0.0
         self._waited: dict[int, float] = {}
+        self._told = processes.HAS_PROC or bool(processes.listed())
 
     def look(self) -> Time:
         """The time until now."""
         family = self._guarded.family()
-        self._cpu = max(self._cpu, sum(process.cpu + process.reaped for process in family))
+        if family:
+            self._cpu = max(self._cpu, sum(process.cpu + process.reaped for process in family))
         now = monotonic()
         past, self._last = now - self._last, now
         waited = {process.pid: processes.waited(process.pid) for process in family}
         queued = sum(max(0.0, time - self._waited.get(pid, 0.0)) for pid, time in waited.items())
         self._waited = waited
         self._starved += min(past, max(queued, past - _LATE))
-        return Time(now - self._began, self._cpu, self._starved)
+        return Time(now - self._began, self._cpu if self._told else nan, self._starved)

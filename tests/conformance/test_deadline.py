@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 
 import pytest
@@ -32,6 +33,11 @@ def test_a_call_that_had_its_time_fails(past: Time, words: str) -> None:
     status, sentence = DEADLINE.over("fmi2DoStep", past, past) or ("", "")
     assert status == "fail"
     assert words in sentence
+
+
+def test_nothing_is_said_of_a_processor_that_nobody_counts() -> None:
+    past = Time(10.1, math.nan, 0.0)
+    assert DEADLINE.over("fmi2DoStep", past, past) == ("fail", "fmi2DoStep did not return within 10 s")
 
 
 def test_a_starved_call_is_undecided() -> None:

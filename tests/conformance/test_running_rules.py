@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import shutil
+import subprocess
 import sys
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
@@ -77,6 +80,21 @@ def test_rules_after_a_crash_are_still_looked_at(tmp_path: Path) -> None:
     findings = run_groups(compiled(SOURCES / "crash_in_early_free.c", tmp_path))
     place = [finding.status for finding in findings].index("fail")
     assert {finding.status for finding in findings[place + 1 :]} == {"pass", "skip"}
+
+
+def test_a_busy_machine_is_not_blamed_on_the_fmu(tmp_path: Path) -> None:
+    """A sound FMU on a processor that it shares with twelve others gets no time, and no reproach."""
+    file, everywhere = compiled(SOURCES / "sound.c", tmp_path), os.sched_getaffinity(0)
+    loop = [sys.executable, "-S", "-c", "while True: pass"]
+    with ExitStack() as stack:
+        stack.callback(os.sched_setaffinity, 0, everywhere)
+        os.sched_setaffinity(0, {min(everywhere)})
+        for _ in range(12):
+            stack.callback(stack.enter_context(subprocess.Popen(loop, start_new_session=True)).kill)
+        findings = run_groups(file, deadline=Deadline(call=3.0, busy=1.1), groups="L")
+    assert {finding.status for finding in findings} <= {"pass", "skip", "undecided"}
+    undecided = [finding for finding in findings if finding.status == "undecided"]
+    assert undecided and "the machine was too busy: in " in undecided[0].seen[0]
 
 
 def test_without_foundation_the_rest_is_skipped_and_says_why(tmp_path: Path) -> None:
