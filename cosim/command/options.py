@@ -11,6 +11,7 @@ from cosim.errors import CosimError
 from cosim.model.parsing import parse_assignments
 
 Name = Annotated[str, typer.Argument(help="A scenario, see `cosim list`, or the file of a system.")]
+OptionalName = Annotated[str | None, typer.Argument(metavar="NAME", help="A scenario, or the file of a system.")]
 Assignments = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="instance.variable=value", help="Set a parameter, or scenario.SETTING."),

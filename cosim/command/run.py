@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -15,7 +15,7 @@ from cosim.command.options import (
     Assignments,
     EventFiles,
     Events,
-    Name,
+    OptionalName,
     Parameters,
     Periods,
     Replacements,
@@ -28,18 +28,19 @@ from cosim.command.show import show
 from cosim.command.terminal import notices, progress
 from cosim.engine.loader import ISOLATION_TIMEOUT
 from cosim.engine.schedule import Scheme
-from cosim.errors import RunFailedError, RunInterruptedError
+from cosim.errors import CosimError, RunFailedError, RunInterruptedError
 from cosim.model.parsing import parse_events, parse_periods
 from cosim.results.summary import Summary
 from cosim.run.prepare import RunPlan
 from cosim.run.request import Request
+from cosim.run.resuming import resumed
 from cosim.run.running import OVERVIEW, Finished, run
 from fmukit.console import console_of
 from fmukit.errors import because
 
 
 def run_command(
-    name: Name,
+    name: OptionalName = None,
     *,
     assignments: Assignments = None,
     parameters: Parameters = None,
@@ -72,6 +73,12 @@ def run_command(
     realtime: Annotated[
         float | None, typer.Option(metavar="FACTOR", help="Keep to the clock: 1 is real time, 2 twice as fast.")
     ] = None,
+    checkpoint: Annotated[
+        float | None, typer.Option(metavar="S", help="Keep a checkpoint every so many simulated s.")
+    ] = None,
+    resume: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Go on from the checkpoint in DIR; with --set and -o branch off.")
+    ] = None,
     explain: Annotated[bool, typer.Option("--explain", help="Print order, periods, edges and conversions.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON and nothing else.")] = False,
@@ -81,27 +88,31 @@ def run_command(
     """Run a scenario and write its results."""
     notices(shown=not quiet)
     values, changes = assigned(assignments, parameters), parse_events(events or [])
+    if resume is not None:
+        name, folder, options = _continued(name, resume, folder, values, changes, stop_time)
+    else:
+        options = {
+            "assignments": values,
+            "seed": seed,
+            "stop_time": stop_time,
+            "scheme": scheme,
+            "step": step,
+            "events": changes,
+            "record_every": record_every,
+            "record_all": record_all,
+            "isolate": isolate or (),
+            "isolate_timeout": isolate_timeout,
+            "periods": parse_periods(periods or []),
+            "replacements": replacements(replace),
+            "event_files": event_files or (),
+            "checkpoint": checkpoint,
+        }
+    if name is None:
+        raise CosimError("name a scenario or the file of a system; `cosim list` shows the scenarios")
     with opened(name) as scenario:
         target = folder if folder is not None else Path("results") / scenario.name
-        request = Request(
-            scenario,
-            target,
-            values,
-            seed,
-            stop_time,
-            scheme,
-            step,
-            changes,
-            record_every,
-            record_all,
-            isolate=isolate or (),
-            isolate_timeout=isolate_timeout,
-            periods=parse_periods(periods or []),
-            replacements=replacements(replace),
-            event_files=event_files or (),
-            realtime=realtime,
-        )
-        stop = stop_time if stop_time is not None else scenario.stop_time
+        request = Request(scenario, target, realtime=realtime, origin=name, **options)
+        stop = request.stop_time if request.stop_time is not None else scenario.stop_time
         explainer = _explainer(to_stderr=as_json or quiet) if explain else lambda _plan: None
         draw = (lambda _finished: None) if no_report else partial(_draw, file=target / OVERVIEW)
         with progress(stop, shown=not (quiet or as_json)) as update:
@@ -111,6 +122,28 @@ def run_command(
     elif not quiet:
         show(finished.summary, target)
     _leave(finished.summary, strict=strict)
+
+
+def _continued(
+    name: str | None,
+    before: Path,
+    folder: Path | None,
+    values: list[tuple[str, str]],
+    changes: list[tuple[float, str, str]],
+    stop_time: float | None,
+) -> tuple[str, Path, dict[str, Any]]:
+    """What was run into `before`, the folder of results, and the options of its request with what is new."""
+    if name is not None:
+        raise CosimError(f"--resume goes on with what was run into {before}; leave out {name}")
+    new = values or changes or stop_time is not None
+    target = folder if folder is not None else before
+    if new and target.resolve() == before.resolve():
+        raise CosimError("a run that goes on otherwise than it began needs a folder of its own; give one with -o")
+    origin, options, again = resumed(before, values)
+    options["events"] = [*options["events"], *changes]
+    if stop_time is not None:
+        options["stop_time"] = stop_time
+    return origin, target, options | {"resume": again}
 
 
 def _explainer(*, to_stderr: bool) -> Callable[[RunPlan], None]:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from ctypes import c_double
 from functools import partial
 from time import perf_counter_ns
 
 import numpy as np
 
 from cosim.engine.order import Action
-from cosim.engine.slave import DISCARD, ERROR, WARNING, Calls, Slave, SlaveError, do_nothing
+from cosim.engine.slave import DISCARD, ERROR, WARNING, Calls, Memory, Slave, SlaveError, do_nothing
 from cosim.model.node import Connection, Node
 from cosim.model.signals import Vector
 from cosim.model.units import Conversion
@@ -20,12 +19,14 @@ class Bound:
     """A slave, its calls, and the copy that gathers its inputs; counts steps and time [ns] spent in the slave.
 
     `publish` shows the outputs got last to all others, of a slave that does not write them straight into their vector.
+    `memory` is what its calls work on.
     """
 
-    __slots__ = ("calls", "count", "gather", "node", "publish", "slave", "step", "time")
+    __slots__ = ("calls", "count", "gather", "held", "node", "publish", "said", "slave", "step", "time")
 
-    def __init__(self, node: Node, slave: Slave, calls: Calls, gather: Action, publish: Action, step: c_double) -> None:
-        self.node, self.slave, self.calls, self.step = node, slave, calls, step
+    def __init__(self, node: Node, slave: Slave, calls: Calls, gather: Action, publish: Action, memory: Memory) -> None:
+        self.node, self.slave, self.calls, self.step = node, slave, calls, memory.step
+        self.held, self.said = memory.y, memory.z
         self.gather, self.publish = gather, publish
         self.count = self.time = 0
 

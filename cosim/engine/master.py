@@ -18,17 +18,20 @@ from time import perf_counter_ns
 import numpy as np
 
 from cosim.engine import changes
-from cosim.engine.bound import Bound, gather, gather_texts
+from cosim.engine.binding import Shown, bind
+from cosim.engine.bound import Bound
 from cosim.engine.giving import giving
-from cosim.engine.order import Action, Order, Tick, both
+from cosim.engine.moment import Moment, put_back, taken
+from cosim.engine.order import Action, Order, Tick
 from cosim.engine.outcome import Outcome, judged
 from cosim.engine.pace import Pace
 from cosim.engine.schedule import Schedule, active_ticks
 from cosim.engine.shaping import shapers
-from cosim.engine.slave import Memory, Slave, SlaveError, do_nothing
+from cosim.engine.slave import Slave, SlaveError, do_nothing
 from cosim.model.clock import SECOND, to_seconds
+from cosim.model.face import Value
 from cosim.model.node import Node
-from cosim.model.signals import Signal, Vector
+from cosim.model.signals import Vector
 from fmukit.errors import because
 
 _BLOCK = 64  # ticks between two looks at the interrupt flag and the progress display
@@ -42,16 +45,18 @@ class Master:
 
     def __init__(self, nodes: Mapping[str, Node], schedule: Schedule, slaves: Mapping[str, Slave]) -> None:
         self.schedule = schedule
-        outputs = [_signal(node, name) for node in nodes.values() for name in node.outputs]
-        changed = [_signal(node, name) for node in nodes.values() for name in changes.shown(node)]
+        outputs = [node.signal(name) for node in nodes.values() for name in node.outputs]
+        changed = [node.signal(name) for node in nodes.values() for name in changes.shown(node)]
         self.signals = outputs + changed
         self.vector: Vector = np.zeros(1 + len(self.signals))
         self.vector[1 + len(outputs) :] = [changes.start(nodes[signal.instance], signal.variable) for signal in changed]
         self._time = c_double.from_buffer(self.vector.data)
         self._index = {signal.name: i for i, signal in enumerate(self.signals, start=1)}
-        self.written = [_signal(node, name) for node in nodes.values() for name in node.texts]
+        self.written = [node.signal(name) for node in nodes.values() for name in node.texts]
         self.texts = [""] * len(self.written)
         self._nodes, self._slaves = nodes, slaves
+        words = {signal.name: i for i, signal in enumerate(self.written)}
+        self._shown = Shown(self._time, self.vector, self._index, self.texts, words)
         self._bound: dict[str, Bound] = {}
         self._shapers = {name: shapers(node, self.vector, self._index) for name, node in nodes.items()}
 
@@ -61,9 +66,8 @@ class Master:
             self._slaves[name].set(self._nodes[name].values)
         for name in self.schedule.initial:
             self._slaves[name].enter()
-            self._bound[name] = self._bind(self._nodes[name], self._slaves[name])
-        numbers = (self.vector, self._index)
-        texts = (self.texts, {signal.name: i for i, signal in enumerate(self.written)})
+            self._bound[name] = bind(self._nodes[name], self._slaves[name], self._shown, name in self.schedule.parallel)
+        numbers, texts = (self.vector, self._index), (self.texts, self._shown.words)
         givers = {name: giving(node, self._slaves[name], numbers, texts) for name, node in self._nodes.items()}
         self._propagate({}, leave=False)  # before anything is given what nobody has calculated yet
         self._propagate(givers, leave=False)
@@ -76,8 +80,11 @@ class Master:
         progress: Callable[[int], None] = lambda _time: None,
         interrupted: Callable[[], bool] = lambda: False,
         pace: Pace | None = None,
+        ticks: Iterator[Tick] | None = None,
     ) -> Outcome:
-        """Advance from 0 to `stop` [ns]; `record` is called per active tick and once at the end.
+        """Advance to `stop` [ns]; `record` is called per active tick and once at the end.
+
+        `ticks` take the place of those from 0 on.
 
         With a `pace` it keeps to the clock on the wall, as far as it can.
 
@@ -86,7 +93,7 @@ class Master:
         """
         start = perf_counter_ns()
         status, reason, time = "ok", "", 0
-        ticks, block = self.ticks(stop, record), _BLOCK
+        ticks, block = ticks or self.ticks(stop, record), _BLOCK
         if pace is not None:
             ticks, block = pace.paced(ticks, interrupted), 1
         try:
@@ -197,6 +204,21 @@ class Master:
         bound = self._bound[name]
         return [*self._shapers[name], bound.exchange, *([] if bound.publish is do_nothing else [bound.publish])]
 
+    def set(self, instance: str, values: Mapping[str, Value]) -> None:
+        """Give inputs that nothing feeds, or tunable parameters, other values between two ticks; raises SlaveError."""
+        self._slaves[instance].set(values)
+        for name, value in values.items():
+            place = self._index.get(f"{instance}.{name}")
+            changes.writer(self.vector, place, value)()
+
+    def moment(self, time: int) -> Moment:
+        """All that is needed to go on with the tick at `time` [ns]; raises SlaveError."""
+        return taken(time, self.vector, self.texts, self._bound, self._shapers)
+
+    def put_back(self, moment: Moment) -> None:
+        """Once initialised, be as at the moment; raises SlaveError."""
+        put_back(moment, self.vector, self.texts, self._bound, self._shapers)
+
     def finish(self, stop: int, record: Action) -> None:
         """Show what belongs to the end of the last steps, and record a last row."""
         self._time.value = to_seconds(stop)
@@ -216,34 +238,3 @@ class Master:
                 self._slaves[name].leave()
             bound.check(bound.calls.get())
             bound.publish()
-
-    def _bind(self, node: Node, slave: Slave) -> Bound:
-        outputs = node.outputs
-        first = self._index[f"{node.name}.{outputs[0]}"] if outputs else 0
-        numbers, texts = node.incoming_numbers, node.incoming_texts
-        u, step = np.zeros(len(numbers)), c_double(to_seconds(node.period))
-        shown = self.vector[first : first + len(outputs)]
-        w, z = [""] * len(texts), [""] * len(node.texts)
-        y, publish = shown, self._writing(node, z)
-        if node.name in self.schedule.parallel:  # the outputs belong to the end of the step
-            y = shown.copy()
-            publish = both(partial(np.copyto, shown, y), publish)
-        names, written = ([c.input for c in some] for some in (numbers, texts))
-        calls = slave.bind(Memory(self._time, step, names, u, outputs, y, node.texts, z, written, w))
-        taken = both(
-            gather(numbers, self.vector, self._index, u),
-            gather_texts(texts, self.texts, {signal.name: i for i, signal in enumerate(self.written)}, w),
-        )
-        return Bound(node, slave, calls, taken, publish, step)
-
-    def _writing(self, node: Node, own: list[str]) -> Action:
-        """Shows the texts of a node to the recorder."""
-        if not own:
-            return do_nothing
-        first = self.written.index(_signal(node, node.texts[0]))
-        return partial(self.texts.__setitem__, slice(first, first + len(own)), own)
-
-
-def _signal(node: Node, name: str) -> Signal:
-    port = node.face.ports[name]
-    return Signal(node.name, name, port.unit, port.type)

@@ -7,13 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from cosim.engine.bound import looked_up
 from cosim.engine.changes import start
 from cosim.model.assembly import derived_seed
-from cosim.model.effects import ROUNDING, Acting
+from cosim.model.effects import ROUNDING, Acting, acting_of, state_of
 from cosim.model.fault import Fault
 from cosim.model.node import Node
 from cosim.model.signals import Vector
@@ -45,6 +46,16 @@ class Shaper:
             self.acting[k] = act
             value = act(time, value)
         self.vector[self.place] = value
+
+    def state(self) -> dict[str, Any]:
+        """What lasts, in plain values."""
+        acting = [None if act is None else state_of(act) for act in self.acting]
+        return {"acting": acting, "random": self.random.bit_generator.state}
+
+    def put_back(self, state: Mapping[str, Any]) -> None:
+        """Be as at `state`."""
+        self.random.bit_generator.state = state["random"]
+        self.acting[:] = [None if each is None else acting_of(each, self.random) for each in state["acting"]]
 
     def _lasts(self, fault: Fault, time: float) -> bool:
         inside = fault.begin - ROUNDING <= time < fault.end - ROUNDING

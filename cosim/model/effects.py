@@ -7,9 +7,9 @@ lasts. It keeps all it needs to go on, so that a run can be continued from a cop
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import Protocol
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, fields
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -174,3 +174,24 @@ class _Dropping:
         if self.random.random() >= self.probability:
             self.last = value
         return self.last
+
+
+_KINDS = {kind.__name__: kind for kind in (_Line, _Scaled, _Noisy, _Delayed, _Dropping)}
+
+
+def state_of(act: Acting) -> dict[str, Any]:
+    """What has begun, in plain values; the source of random numbers is left out."""
+    values = {each.name: getattr(act, each.name) for each in fields(act) if each.name != "random"}  # type: ignore[arg-type]
+    return {"kind": type(act).__name__} | {key: list(v) if isinstance(v, deque) else v for key, v in values.items()}
+
+
+def acting_of(state: Mapping[str, Any], random: np.random.Generator) -> Acting:
+    """What had begun when `state_of` was asked."""
+    kind = _KINDS[state["kind"]]
+    own = {key: value for key, value in state.items() if key != "kind"}
+    if "way" in own:
+        own["way"] = deque((time, value) for time, value in own["way"])
+    if any(each.name == "random" for each in fields(kind)):
+        own["random"] = random
+    made: Acting = kind(**own)
+    return made

@@ -46,7 +46,7 @@ class Face:
     """One model. `step` is its default communication step [s]; None if it does not say.
 
     `single`: a process can hold one instance only. `whole_steps`: each step must be one communication period long.
-    `begin` [s] is where its default experiment starts.
+    `begin` [s] is where its default experiment starts. `restorable`: its state can be saved and put back.
     """
 
     model: str
@@ -59,6 +59,7 @@ class Face:
     single: bool = False
     whole_steps: bool = False
     begin: float = 0.0
+    restorable: bool = False
 
     @cached_property
     def inputs(self) -> tuple[str, ...]:
@@ -140,6 +141,7 @@ def _face(description: Any, origin: Path) -> Face:
         single=description.coSimulation.canBeInstantiatedOnlyOncePerProcess,
         whole_steps=not description.coSimulation.canHandleVariableCommunicationStepSize,
         begin=_begin(experiment),
+        restorable=description.coSimulation.canGetAndSetFMUstate and description.coSimulation.canSerializeFMUstate,
     )
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 from cosim.model.face import TYPES, Face, Kind, Value
 from cosim.model.fault import Fault
+from cosim.model.signals import Signal
 from cosim.model.transformation import AS_IT_IS, Transformation
 
 
@@ -79,6 +80,11 @@ class Node:
     def incoming_texts(self) -> list[Connection]:
         """Connections of String inputs."""
         return [c for name, c in self.incoming.items() if self.face.ports[name].type == "String"]
+
+    def signal(self, name: str) -> Signal:
+        """What the variable `name` is in the signal vector."""
+        port = self.face.ports[name]
+        return Signal(self.name, name, port.unit, port.type)
 
     def __post_init__(self) -> None:
         self.outputs, self.texts = self.face.numbers, self.face.texts

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from ctypes import c_double
 from pathlib import Path
 from time import monotonic
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -82,9 +83,30 @@ class Recorder:
         if self._texts.signals:
             self._said.append(list(self._texts.values))
         if self._every:
-            self._next = self._due()
+            self._next = self._due(self._clock.value)
         if self._filled == self._full:
             self.flush()
+
+    @property
+    def rows(self) -> int:
+        """How many rows there are so far."""
+        return self._written + self._filled
+
+    def refill(self, table: Any) -> None:
+        """Take the rows of an earlier recording with the same signals, before any of its own."""
+        numbers = len(self._index)
+        for batch in table.to_batches(max_chunksize=len(self._rows)):
+            columns = [np.asarray(column.to_numpy(zero_copy_only=False), float) for column in batch.columns[:numbers]]
+            words = [column.to_pylist() for column in batch.columns[numbers:]]
+            for k in range(batch.num_rows):
+                self._rows[self._filled][:] = [column[k] for column in columns]
+                self._filled += 1
+                if words:
+                    self._said.append([column[k] for column in words])
+                if self._filled == self._full:
+                    self.flush()
+        if self._every and table.num_rows:
+            self._next = self._due(float(table.column("time")[-1].as_py()))
 
     def _begin(self) -> None:
         """A new stream, which says how many rows went before."""
@@ -94,9 +116,9 @@ class Recorder:
         self._until = self._written + self._span
         self._append()  # an empty chunk writes the schema, so that the stream can be read from now on
 
-    def _due(self) -> float:
-        """When the next row is due [s]."""
-        now = round(self._clock.value * SECOND)
+    def _due(self, time: float) -> float:
+        """When the next row after that at `time` is due [s]."""
+        now = round(time * SECOND)
         later = (now // self._every + 1) * self._every
         return to_seconds(later if self._stop is None else min(later, self._stop))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from cosim.engine.loader import ISOLATION_TIMEOUT
 from cosim.engine.models import find
@@ -12,6 +13,9 @@ from cosim.engine.schedule import Scheme
 from cosim.errors import CosimError
 from cosim.model.clock import nanoseconds
 from cosim.scenario.definition import Scenario
+
+if TYPE_CHECKING:
+    from cosim.run.resuming import Resumed
 
 FAULT = "**.fault"
 """Boolean outputs of the catalogue's FMUs that are false as long as a run goes on; fetching them would take time."""
@@ -31,6 +35,8 @@ class Request:
     take `isolate_timeout` [s] of wall time. `periods` are (pattern of instances, period [s]), the last counts.
     `replacements` are (instance or pattern of such, .fmu file): see `cosim.run.replacing`. `event_files` are files of
     events, or names of those that packages offer. `realtime` are simulated seconds per second of the wall to keep to.
+    A `checkpoint` is kept every so many [s]; the run goes on from where another was with `resume`. `origin` is what the
+    user named, if that is not the name of the scenario.
     """
 
     scenario: Scenario
@@ -50,9 +56,16 @@ class Request:
     replacements: Sequence[tuple[str, Path]] = ()
     event_files: Sequence[str] = ()
     realtime: float | None = None
+    checkpoint: float | None = None
+    resume: Resumed | None = None
+    origin: str = ""
 
     def __post_init__(self) -> None:
-        _ = self.stop, self.interval  # before anything is prepared, or removed from the folder
+        _ = (
+            self.stop,
+            self.interval,
+            self.checkpoint_interval,
+        )  # before anything is prepared, or removed from the folder
         if not 1e-3 <= self.isolate_timeout <= _LONGEST:
             raise CosimError(f"the time-out of isolated instances is {self.isolate_timeout:g} s; give 0.001 to 1e6 s")
 
@@ -64,6 +77,11 @@ class Request:
         """The end of the run [ns]."""
         seconds = self.scenario.stop_time if self.stop_time is None else self.stop_time
         return nanoseconds(seconds, "the stop time")
+
+    @property
+    def checkpoint_interval(self) -> int:
+        """The time between two checkpoints [ns], 0 for none."""
+        return nanoseconds(self.checkpoint, "the time between two checkpoints") if self.checkpoint is not None else 0
 
     @property
     def interval(self) -> int:

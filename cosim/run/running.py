@@ -12,9 +12,11 @@ from pathlib import Path
 from cosim.engine.advice import pass_on
 from cosim.engine.loader import Loader
 from cosim.engine.master import Master
+from cosim.engine.moment import check_restorable
 from cosim.engine.outcome import Outcome, Status
 from cosim.engine.slave import Slave, SlaveError
 from cosim.errors import CosimError
+from cosim.results.checkpoint import CHECKPOINT
 from cosim.results.columns import Texts
 from cosim.results.growing import FOOTER, PARTIAL
 from cosim.results.provenance import KEY, lines_of_title
@@ -27,6 +29,7 @@ from cosim.run.facts import facts
 from cosim.run.interrupts import interrupts
 from cosim.run.prepare import RunPlan, plan
 from cosim.run.request import Request
+from cosim.run.resuming import BEFORE, check_same, restore, secure, ticks
 from cosim.run.volume import expected_rows, remarks
 from cosim.scenario.limit import Verdict, judged, missed
 from cosim.scenario.metric import Metrics
@@ -94,6 +97,9 @@ def execute(made: RunPlan, load: Load, progress: Progress = lambda _time: None) 
     """Load the slaves, initialise and run them, recording into the folder of the request."""
     with interrupts() as interrupted:
         slaves, lost = _loaded(load)
+        if made.request.checkpoint_interval:
+            check_restorable(slaves)
+        check_same(made)
         master = Master(made.nodes, made.schedule, slaves)
         recorder = _recorder(made, master)
         said: Mapping[str, str] = {}
@@ -102,8 +108,9 @@ def execute(made: RunPlan, load: Load, progress: Progress = lambda _time: None) 
                 raise lost
             master.initialise()
             said = pass_on(slaves)
-            kept = partial(_kept, recorder, progress)
-            outcome = master.run(made.request.stop, recorder, kept, interrupted, made.pace)
+            restore(made, master, recorder)
+            kept, left = partial(_kept, recorder, progress), ticks(made, master, recorder)
+            outcome = master.run(made.request.stop, recorder, kept, interrupted, made.pace, left)
         except SlaveError as failure:
             outcome = Outcome("failed", failure.sentence("at initialisation"), 0, 0, {}, {})
         except BaseException:
@@ -127,7 +134,8 @@ def _recorder(made: RunPlan, master: Master) -> Recorder:
     request, about = made.request, {KEY: made.provenance.json().encode()}
     folder = request.folder
     try:
-        for name in WRITTEN:
+        secure(request)
+        for name in (*WRITTEN, *(() if request.resume else (CHECKPOINT, BEFORE))):
             (folder / name).unlink(missing_ok=True)
         kept = recorded(master.signals, request.unrecorded)
         texts = Texts(master.written, master.texts)

@@ -265,7 +265,7 @@ def test_the_same_seed_gives_the_same_bytes(cosim, tmp_path):
         (["run", "tanks", "--set", "nonsense"], "cannot read 'nonsense'"),
         (["run", "tanks", "--stop-time", "0"], "the stop time is 0 s; it must be positive"),
         (["run", "tanks", "--set", "scenario.source=bad"], "there is no file"),
-        (["run"], "Missing argument 'name'; `cosim --help` shows what there is"),
+        (["run"], "name a scenario or the file of a system; `cosim list` shows the scenarios"),
         (["run", "tanks", "--seed", "two"], "Invalid value for '--seed'"),
         (["run", "tanks", "--colour"], "No such option: --colour"),
         (["run", "tanks", "extra"], "Got unexpected extra argument"),
