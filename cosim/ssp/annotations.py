@@ -8,13 +8,14 @@ from collections.abc import Iterator
 from lxml import etree
 
 from cosim.errors import CosimError
+from cosim.model.face import Kind
 from cosim.ssp.content import ours
 from cosim.ssp.document import Element, Where, line
 from cosim.ssp.namespaces import COSIM, SSD
 from cosim.ssp.structure import Annotated, Told, ToldEvent
 
 ROOT = f"{{{COSIM}}}System"
-_KINDS = {"continuous": "continuous", "sampled": "sampled"}
+_KINDS: dict[str, Kind] = {"continuous": "continuous", "sampled": "sampled"}
 
 
 def annotated(system: Element, file: str) -> Annotated:
@@ -37,7 +38,7 @@ def _instances(root: Element, file: str) -> Iterator[Told]:
         if kind is not None and kind not in _KINDS:
             raise CosimError(f"{Where(file, line(child))}: kind {kind!r} is neither continuous nor sampled")
         name, period = child.get("name", element), _time(child, "period", file, None)
-        yield Told(element, name, period, _KINDS.get(kind or ""), Where(file, line(child)))  # type: ignore[arg-type]
+        yield Told(element, name, period, _KINDS.get(kind or ""), Where(file, line(child)))
 
 
 def _events(root: Element, file: str) -> Iterator[ToldEvent]:

@@ -6,7 +6,7 @@ import logging
 from collections.abc import Iterator, Mapping
 
 from cosim.errors import CosimError, unknown
-from cosim.model.face import Face, Port, Value
+from cosim.model.face import Face, Kind, Port, Value
 from cosim.model.system import System
 from cosim.model.transformation import AS_IT_IS, Transformation
 from cosim.model.units import Unit, conversion
@@ -48,9 +48,9 @@ def _names(network: Network, told: Annotated) -> dict[tuple[str, ...], str]:
     return {path: renamed[name].name if name in renamed else name for path, name in names.items()}
 
 
-def _add(system: System, name: str, model: str, period: float | None, kind: object, where: str) -> None:
+def _add(system: System, name: str, model: str, period: float | None, kind: Kind | None, where: str) -> None:
     try:
-        system.add(name, model, period=period, kind=kind)  # type: ignore[arg-type]
+        system.add(name, model, period=period, kind=kind)
     except CosimError as error:
         raise CosimError(f"{where}: {error}; name one of them otherwise") from None
 

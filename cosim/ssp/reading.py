@@ -27,6 +27,13 @@ def read_ssp(path: Path, temporary: Path) -> Description:
 
     `path` may end with # and the name of another SSD of an SSP. Raises CosimError for what cannot be read or run.
     """
+    try:
+        return _read(path, temporary)
+    except RecursionError:
+        raise CosimError(f"the systems of {path} are nested too deep to be read; flatten some of them") from None
+
+
+def _read(path: Path, temporary: Path) -> Description:
     reader = Reader(Archives(temporary / "archives"))
     ssd, name = _opened(path, reader)
     root = reader.root(ssd)

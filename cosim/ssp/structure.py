@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+from cosim.model.face import Kind
 from cosim.model.units import Conversion, Unit
 from cosim.ssp.document import Where
 
@@ -133,7 +134,7 @@ class Told:
     element: str
     name: str
     period: float | None
-    kind: Literal["continuous", "sampled"] | None
+    kind: Kind | None
     where: Where
 
 

@@ -245,6 +245,22 @@ def test_files_within_files_come_to_an_end(folder: Path) -> None:
         ran(folder / "0.ssd", folder / "out")
 
 
+def test_depth_has_an_end(folder: Path) -> None:
+    """Within one file, and over many files that each go as deep as XML may."""
+    deep = ONE
+    for _ in range(100):
+        deep = f'<ssd:System name="s">{elements(deep)}</ssd:System>'
+    for depth in range(18):
+        inner = component("c", f"{depth + 1}.ssd", type="application/x-ssp-definition")
+        (folder / f"{depth}.ssd").write_text(ssd(elements(deep.replace(ONE, inner))))
+    (folder / "18.ssd").write_text(ssd(TWO))
+    with pytest.raises(CosimError, match=r"0\.ssd are nested too deep to be read"):
+        ran(folder / "0.ssd", folder / "out")
+    for _ in range(100):
+        deep = f'<ssd:System name="s">{elements(deep)}</ssd:System>'
+    assert "this is no XML: Excessive depth" in refused(folder, ssd(elements(deep)))
+
+
 def test_fmus_that_are_none(folder: Path) -> None:
     """Of another version, or no archive at all: named as the file has it."""
     with zipfile.ZipFile(folder / "old.fmu", "w") as archive:
