@@ -125,7 +125,7 @@ def check_it_is_survived(name: str, folder: Path, size: int, *assignments: str, 
     braked = np.gradient(results[f"car{pushed}.plant.velocity.x"], results.time)[lost].min()
     assert braked < -1.0
     assert metrics["collision"] == 0.0
-    late = results.time > results.time[-1] - 2.0
+    late = results.time > results.time[-1] - 1.0
     for k in range(2, size + 1):
         assert np.hypot(*(results[f"car{k}.follower.error.{axis}"][late] for axis in "xy")).max() < 0.5
 

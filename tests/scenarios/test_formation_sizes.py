@@ -6,6 +6,7 @@ import math
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 from scenario_types import Configured
 
@@ -13,6 +14,7 @@ from cosim.model.parsing import parse_assignments
 from cosim.run.request import Request
 from cosim.run.running import Finished, run
 from cosim.scenario.discovery import load
+from scenarios.formation.errors import follower_errors
 
 LAWS = ("formation-adaptive", "formation-constraint")
 LIGHT = "scenario.plant=unicycle"
@@ -57,6 +59,18 @@ def test_any_number_of_cars_is_kept_in_the_whole_manoeuvre(law: str, topology: s
     """A star has the shape of a chain, and seen from the head is the same."""
     cars = (LIGHT, f"scenario.vehicles={size}", f"scenario.topology={topology}")
     check(values(drive(law, tmp_path, *cars)), size)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize(("law", "stop"), [("formation-adaptive", 75.0), ("formation-constraint", 65.0)])
+def test_changes_of_many_cars_come_to_their_end(law: str, stop: float, tmp_path: Path) -> None:
+    """The last one begins at 30 s and takes 30 s to the wedge, 40 s from V to line; runs are shorter by default."""
+    finished = drive(law, tmp_path, LIGHT, "scenario.vehicles=25", stop=stop)
+    check(values(finished), 25)
+    for car in range(2, 26):
+        late = follower_errors(finished.results, car, 1)
+        far = np.hypot(*late.place[late.time > stop - 1.0].T)
+        assert far.max() <= KEPT
 
 
 @pytest.mark.nightly
