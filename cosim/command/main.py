@@ -21,6 +21,7 @@ APPLICATION = Application(
         Subcommand("list", "Show the scenarios with what each reproduces.", "cosim.command.list:list_command"),
         Subcommand("run", "Run a scenario and write its results.", "cosim.command.run:run_command"),
         Subcommand("export", "Write a scenario as SSP 1.0, for other tools.", "cosim.command.export:export_command"),
+        Subcommand("replay", "Feed a system from a log of real sensors.", "cosim.command.replay:replay_command"),
         Subcommand("convert", "Write results as CSV, MAT or MDF.", "cosim.command.results:convert_command"),
         Subcommand("compare", "Hold two runs against each other.", "cosim.command.results:compare_command"),
         Subcommand("show", "Plot signals of a run.", "cosim.command.results:show_command"),

@@ -126,8 +126,11 @@ class Drop:
 
 @dataclass(slots=True)
 class _Line:
-    times: tuple[float, ...]
-    heights: tuple[float, ...]
+    times: Any
+    heights: Any
+
+    def __post_init__(self) -> None:
+        self.times, self.heights = np.asarray(self.times, float), np.asarray(self.heights, float)
 
     def __call__(self, time: float, _value: float) -> float:
         return float(np.interp(time, self.times, self.heights))
@@ -182,7 +185,11 @@ _KINDS = {kind.__name__: kind for kind in (_Line, _Scaled, _Noisy, _Delayed, _Dr
 def state_of(act: Acting) -> dict[str, Any]:
     """What has begun, in plain values; the source of random numbers is left out."""
     values = {each.name: getattr(act, each.name) for each in fields(act) if each.name != "random"}  # type: ignore[arg-type]
-    return {"kind": type(act).__name__} | {key: list(v) if isinstance(v, deque) else v for key, v in values.items()}
+    return {"kind": type(act).__name__} | {key: _listed(value) for key, value in values.items()}
+
+
+def _listed(value: Any) -> Any:
+    return list(value) if isinstance(value, deque) else value.tolist() if isinstance(value, np.ndarray) else value
 
 
 def acting_of(state: Mapping[str, Any], random: np.random.Generator) -> Acting:

@@ -14,6 +14,7 @@ from pathlib import Path
 import doc_commands as commands
 from doc_pages import Block
 
+from cosim.replay.form import MapForm
 from cosim.system_file.decoding import read_form
 from cosim.system_file.form import EventsForm
 from cosim.system_file.parameters import read_parameters
@@ -35,6 +36,7 @@ READERS: dict[str, Callable[[Path], object]] = {
     "pyproject.toml": Path.read_text,
     "gains.toml": read_parameters,
     "coasting.toml": read_system,
+    "map.toml": lambda path: read_form(path, MapForm),
     "gust.toml": lambda path: read_form(path, EventsForm),
 }
 """By the name of the file that a block of data is, and under which the blocks after it find it."""

@@ -90,7 +90,7 @@ def test_options_within_sentences_are_known(page: Page) -> None:
 
 
 def _commands() -> list[tuple[str, str]]:
-    ours = {"fmus": "list build check host doctor plan", "cosim": "list run export convert compare show plan"}
+    ours = {"fmus": "list build check host doctor plan", "cosim": "list run export replay convert compare show plan"}
     return [(program, name) for program, names in ours.items() for name in names.split()]
 
 
