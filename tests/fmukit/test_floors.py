@@ -11,7 +11,7 @@ import pytest
 
 FMUKIT = Path(__file__).parents[2] / "fmukit"
 FLOORS = (
-    {"errors", "files", "units", "packing", "unpacking", "docstrings", "command_line", "interface", "runtime"},
+    {"errors", "files", "units", "packing", "unpacking", "docstrings", "command_line", "interface", "runtime", "guard"},
     {"store", "component"},
     {"compiling"},
     {"played"},
@@ -52,4 +52,4 @@ def test_what_travels_in_every_fmu_imports_only_what_is_there() -> None:
 
 def test_what_runs_without_packages_imports_the_standard_library_only() -> None:
     for path in _files("conformance/bare"):
-        assert {name.split(".")[0] for name in _imports(path)} <= sys.stdlib_module_names | {"host"}, path
+        assert {name.split(".")[0] for name in _imports(path)} <= sys.stdlib_module_names | {"host", "pulse"}, path

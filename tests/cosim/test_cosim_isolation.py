@@ -265,7 +265,7 @@ _KILLED = """
 import sys
 sys.path[:0] = [{tests!r}, {root!r}]
 from pathlib import Path
-from test_isolation import ran
+from test_cosim_isolation import ran
 ran(Path(sys.argv[1]), Path(sys.argv[2]), isolate=("all",), stop=1e6)
 """
 
