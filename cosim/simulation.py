@@ -37,13 +37,19 @@ from cosim.run.request import Request
 from cosim.scenario.definition import Scenario
 from cosim.scenario.described import Description, scenario_of
 
+_OPTIONS = {
+    *("assignments", "seed", "scheme", "step", "events", "isolate", "isolate_timeout", "periods", "replacements"),
+    *("event_files", "find"),
+}
+"""Of `Request`; the others are for runs into folders."""
+
 
 class Simulation:
     """One run of a system or a scenario, from its initialisation on; a context, in which its FMUs live.
 
     `stop_time` [s] is needed for a system and may be left out for a scenario. `options` are those of `Request`, such as
-    seed=1, scheme="jacobi", step=0.001, assignments=[("car.initial.speed", "15")]. Mistakes, and FMUs that fail, raise
-    CosimError.
+    seed=1, scheme="jacobi", step=0.001, assignments=[("car.initial.speed", "15")], but for those on folders. Mistakes,
+    and FMUs that fail, raise CosimError.
     """
 
     def __init__(self, source: System | Scenario, stop_time: float | None = None, **options: Any) -> None:
@@ -51,14 +57,20 @@ class Simulation:
             if stop_time is None:
                 raise CosimError("a system has no stop time of its own; give stop_time in s")
             source = scenario_of(Description("simulation", "", source, stop_time))
+        unknown_ = options.keys() - _OPTIONS
+        if unknown_:
+            raise CosimError(f"a simulation has no {', '.join(sorted(unknown_))}; it has {', '.join(sorted(_OPTIONS))}")
         self._request = Request(source, Path(), stop_time=stop_time, **options)
         self._stack = ExitStack()
+        self._open = self._stepping = False
         self._rows: list[np.ndarray] = []
         self._said: list[list[str]] = []
         self._watchers: list[Callable[[Simulation], None]] = []
         self._ended = False
 
     def __enter__(self) -> Self:
+        if self._open or self._ended:
+            raise CosimError("a simulation runs once; make another one")
         with ExitStack() as unfinished:
             loader = unfinished.enter_context(Loader(self._request.find, self._request.isolate_timeout))
             self._plan = plan(self._request, loader)
@@ -71,11 +83,13 @@ class Simulation:
             pass_on(self._slaves)
             self._stack = unfinished.pop_all()
         self._positions = {signal.name: i for i, signal in enumerate(self._master.signals, start=1)}
+        self._texts = {signal.name: i for i, signal in enumerate(self._master.written)}
         self._ticks: Iterator[Tick] = self._master.ticks(self._plan.request.stop, self._record)
+        self._open = True
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, tb: TracebackType | None) -> None:
-        self._ended = True
+        self._ended, self._open = True, False
         self._stack.close()
 
     @property
@@ -91,10 +105,12 @@ class Simulation:
     @property
     def signals(self) -> list[str]:
         """Names of what is shown: outputs of all instances, and inputs that events change."""
-        return list(self._positions)
+        return [*self._positions, *self._texts]
 
-    def __getitem__(self, signal: str) -> float:
-        """The newest value of a signal that is a number."""
+    def __getitem__(self, signal: str) -> Any:
+        """The newest value of a signal: a number, or the text of a String."""
+        if signal in self._texts:
+            return self._master.texts[self._texts[signal]]
         if signal not in self._positions:
             raise KeyError(f"no signal {signal}; see Simulation.signals")
         return float(self._master.vector[self._positions[signal]])
@@ -103,6 +119,20 @@ class Simulation:
         """Go on to the next time at which anything is due, and say whether there was one before the end."""
         if self._ended:
             return False
+        self._expect_open()
+        if self._stepping:
+            raise CosimError("a simulation cannot be stepped by its own watcher")
+        self._stepping = True
+        try:
+            self._advance()
+        except BaseException:  # also of a watcher: half a tick has been done, and nothing can go on from there
+            self._ended = True
+            raise
+        finally:
+            self._stepping = False
+        return not self._ended
+
+    def _advance(self) -> None:
         tick = next(self._ticks, None)
         try:
             if tick is None:
@@ -114,7 +144,11 @@ class Simulation:
             self._ended = True
             if not failure.ended:
                 raise CosimError(failure.sentence(f"at {self.time:g} s")) from None
-        return not self._ended
+
+    def _expect_open(self) -> None:
+        """Raises CosimError outside the context, where the FMUs are not there."""
+        if not self._open:
+            raise CosimError("the FMUs of a simulation live in its context; write `with Simulation(...) as run:`")
 
     def run_until(self, time: float) -> bool:
         """Step until `time` [s] has been reached, and say whether the end has not."""
@@ -126,6 +160,7 @@ class Simulation:
 
     def set(self, signal: str, value: Value) -> None:
         """Give an input that nothing feeds another value, which the instance takes in with its next step."""
+        self._expect_open()
         system = self._plan.configured.configuration.system
         instance, variable = system.split(signal)
         node = self._plan.nodes[instance]
@@ -133,7 +168,7 @@ class Simulation:
         if port is None or port.causality != "input" or variable in node.incoming or variable in node.faults:
             raise CosimError(f"{signal} cannot be set: it is no input that nothing feeds")
         try:
-            self._slaves[instance].set({variable: coerce(signal, port, value)})
+            self._master.set(instance, {variable: coerce(signal, port, value)})
         except SlaveError as failure:
             raise CosimError(failure.sentence(f"at {self.time:g} s")) from None
 
@@ -147,7 +182,8 @@ class Simulation:
         chosen = recorded(self._master.signals, self._request.unrecorded)
         texts = Texts(self._master.written, self._master.texts)
         schema = schema_of([*(self._master.signals[i] for i in chosen), *texts.signals])
-        columns = np.array(self._rows).reshape(len(self._rows), -1)[:, [0, *(1 + i for i in chosen)]].T
+        rows = np.array(self._rows).reshape(len(self._rows), len(self._master.vector))
+        columns = rows[:, [0, *(1 + i for i in chosen)]].T
         batch = Batch(np.ascontiguousarray(columns), schema).first(len(self._rows), self._said)
         return Results(pa.Table.from_batches([batch]), facts(self._plan, self.time))
 

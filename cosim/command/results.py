@@ -67,6 +67,10 @@ def compare_command(
             console.print(f"{count} more only in {name}", markup=False)
     if plot is not None and differing:
         save(plotted({str(first): one, str(second): other}, [each.signal for each in differing[:4]]), plot)
+    if tolerance is not None and not found.differences:
+        raise RunFailedError("the two runs have no signal in common")
+    if tolerance is not None and not patterns and (found.only_first or found.only_second):
+        raise RunFailedError("each of the two runs has to have the signals of the other; choose some with --signal")
     beyond = found.beyond(tolerance) if tolerance is not None else []
     if beyond:
         who = "a signal differs" if len(beyond) == 1 else f"{len(beyond)} signals differ"

@@ -89,6 +89,7 @@ def run_command(
     notices(shown=not quiet)
     values, changes = assigned(assignments, parameters), parse_events(events or [])
     if resume is not None:
+        _alone(replace, parameters, event_files, step, periods, record_every, record_all, isolate, checkpoint)
         name, folder, options = _continued(name, resume, folder, values, changes, stop_time)
     else:
         options = {
@@ -122,6 +123,14 @@ def run_command(
     elif not quiet:
         show(finished.summary, target)
     _leave(finished.summary, strict=strict)
+
+
+def _alone(*options: object) -> None:
+    """Raises CosimError for an option that a run that goes on does not take."""
+    if any(option not in (None, False) for option in options):
+        raise CosimError(
+            "a run goes on with its own settings: with --resume only --set, --at, --stop-time and -o can be"
+        )
 
 
 def _continued(

@@ -72,6 +72,8 @@ class Master:
         self._propagate({}, leave=False)  # before anything is given what nobody has calculated yet
         self._propagate(givers, leave=False)
         self._propagate(givers, leave=True)
+        for shaper in (each for own in self._shapers.values() for each in own):
+            shaper.begin_anew()  # what began on values that nobody had calculated yet
 
     def run(
         self,
@@ -92,7 +94,8 @@ class Master:
         the simulation to end, with "ok".
         """
         start = perf_counter_ns()
-        status, reason, time = "ok", "", 0
+        status, reason, begun = "ok", "", round(self._time.value * SECOND)
+        time = begun
         ticks, block = ticks or self.ticks(stop, record), _BLOCK
         if pace is not None:
             ticks, block = pace.paced(ticks, interrupted), 1
@@ -111,7 +114,7 @@ class Master:
         wall = perf_counter_ns() - start
         calls = {name: bound.count for name, bound in self._bound.items()}
         times = {name: bound.time for name, bound in self._bound.items()}
-        return Outcome(status, reason, time, wall, calls, times)  # type: ignore[arg-type]
+        return Outcome(status, reason, time, wall, calls, times, begun)  # type: ignore[arg-type]
 
     def _loop(
         self,
@@ -121,7 +124,7 @@ class Master:
         stop: int,
         size: int,
     ) -> int:
-        time = 0
+        time = round(self._time.value * SECOND)
         while not interrupted():
             block = list(islice(ticks, size))
             time = self.advance(block, time)
@@ -213,11 +216,11 @@ class Master:
 
     def moment(self, time: int) -> Moment:
         """All that is needed to go on with the tick at `time` [ns]; raises SlaveError."""
-        return taken(time, self.vector, self.texts, self._bound, self._shapers)
+        return taken(time, self.vector, self._index, self.texts, self._bound, self._shapers)
 
     def put_back(self, moment: Moment) -> None:
         """Once initialised, be as at the moment; raises SlaveError."""
-        put_back(moment, self.vector, self.texts, self._bound, self._shapers)
+        put_back(moment, self.vector, self._index, self.texts, self._bound, self._shapers)
 
     def finish(self, stop: int, record: Action) -> None:
         """Show what belongs to the end of the last steps, and record a last row."""

@@ -19,8 +19,8 @@ from cosim.model.signals import Vector
 class Moment:
     """Just before the tick at `time` [ns]: all signals, the outputs that wait for the end of their steps, FMU states.
 
-    `held` and `said` are those outputs by instance; `acting` is what lasts of faults, by instance; `counts` are the
-    calls made so far.
+    `signals` names the vector after its first element, the time. `held` and `said` are those outputs by instance, and
+    `acting` is what lasts of faults, by instance.
     """
 
     time: int
@@ -30,7 +30,7 @@ class Moment:
     said: Mapping[str, Sequence[str]]
     acting: Mapping[str, Sequence[Any]]
     states: Mapping[str, bytes]
-    counts: Mapping[str, int]
+    signals: Sequence[str]
 
 
 def check_restorable(slaves: Mapping[str, Slave]) -> None:
@@ -44,7 +44,12 @@ def check_restorable(slaves: Mapping[str, Slave]) -> None:
 
 
 def taken(
-    time: int, vector: Vector, texts: Sequence[str], bounds: Mapping[str, Bound], shapers: Mapping[str, list[Shaper]]
+    time: int,
+    vector: Vector,
+    places: Mapping[str, int],
+    texts: Sequence[str],
+    bounds: Mapping[str, Bound],
+    shapers: Mapping[str, list[Shaper]],
 ) -> Moment:
     """What there is now; raises SlaveError."""
     return Moment(
@@ -55,24 +60,26 @@ def taken(
         {name: list(bound.said) for name, bound in bounds.items()},
         {name: [shaper.state() for shaper in own] for name, own in shapers.items() if own},
         {name: cast(Restorable, bound.slave).save() for name, bound in bounds.items()},
-        {name: bound.count for name, bound in bounds.items()},
+        list(places),
     )
 
 
 def put_back(
     moment: Moment,
     vector: Vector,
+    places: Mapping[str, int],
     texts: list[str],
     bounds: Mapping[str, Bound],
     shapers: Mapping[str, list[Shaper]],
 ) -> None:
-    """Be as at the moment; raises SlaveError."""
-    np.copyto(vector, moment.vector)
+    """Be as at the moment; signals it does not know stay as they are. Raises SlaveError."""
+    vector[0] = moment.vector[0]
+    for name, value in zip(moment.signals, moment.vector[1:], strict=True):
+        vector[places[name]] = value
     texts[:] = moment.texts
     for name, bound in bounds.items():
         cast(Restorable, bound.slave).restore(moment.states[name])
         np.copyto(bound.held, moment.held[name])
         bound.said[:] = moment.said[name]
-        bound.count = moment.counts[name]
         for shaper, state in zip(shapers[name], moment.acting.get(name, ()), strict=True):
             shaper.put_back(state)

@@ -14,7 +14,10 @@ Status = Literal["ok", "missed", "failed", "interrupted"]
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """How a run ended: at simulated `time` [ns], after `wall` [ns]; calls and time [ns] per instance."""
+    """How a run ended: at simulated `time` [ns], after `wall` [ns]; calls and time [ns] per instance.
+
+    It began, or was resumed, after the tick at `begun` [ns].
+    """
 
     status: Status
     reason: str
@@ -22,6 +25,7 @@ class Outcome:
     wall: int
     calls: Mapping[str, int]
     times: Mapping[str, int]
+    begun: int = 0
 
 
 def judged(failure: SlaveError, when: str) -> tuple[str, str]:

@@ -33,7 +33,7 @@ class Pace:
         """The ticks, each no sooner than its time; the clock starts with the first of them."""
         start: float | None = None
         for time, order in ticks:
-            start = self.now() if start is None else start
+            start = self.now() - to_seconds(time) / self.factor if start is None else start
             self._wait(start + to_seconds(time) / self.factor, interrupted)
             yield time, order
 

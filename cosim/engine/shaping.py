@@ -18,21 +18,32 @@ from cosim.model.effects import ROUNDING, Acting, acting_of, state_of
 from cosim.model.fault import Fault
 from cosim.model.node import Node
 from cosim.model.signals import Vector
+from cosim.model.values import INTEGERS
 
 
 @dataclass(slots=True)
 class Shaper:
-    """One input: `place` is its own in the vector; `base` gives what it would be. Faults act in their order."""
+    """One input of the FMI type `kind`: `place` is its own in the vector, `base` gives what it would be.
+
+    Faults act in their order; what they draw at random follows from the `seed`. What is shown is what an FMU can take.
+    """
 
     vector: Vector
     place: int
     base: Callable[[], float]
     faults: Sequence[Fault]
     positions: Mapping[str, int]
-    random: np.random.Generator
+    seed: int
+    kind: str = "Real"
+    random: np.random.Generator = field(init=False)
     acting: list[Acting | None] = field(default_factory=list)
 
     def __post_init__(self) -> None:
+        self.begin_anew()
+
+    def begin_anew(self) -> None:
+        """Forget all that has begun."""
+        self.random = np.random.default_rng(self.seed)
         self.acting = [None] * len(self.faults)
 
     def __call__(self) -> None:
@@ -45,7 +56,7 @@ class Shaper:
             act = self.acting[k] or fault.effect.begin(time, value, self.random)
             self.acting[k] = act
             value = act(time, value)
-        self.vector[self.place] = value
+        self.vector[self.place] = _fitting(value, self.kind)
 
     def state(self) -> dict[str, Any]:
         """What lasts, in plain values."""
@@ -65,10 +76,22 @@ class Shaper:
 def shapers(node: Node, vector: Vector, positions: Mapping[str, int]) -> list[Shaper]:
     """One for each input of the node that has faults; noise is seeded by the run's seed and the signal's name."""
     return [
-        Shaper(vector, positions[f"{node.name}.{name}"], _base(node, name, vector, positions), faults, positions,
-               np.random.default_rng(derived_seed(node.seed, f"{node.name}.{name}")))
+        Shaper(
+            vector,
+            positions[f"{node.name}.{name}"],
+            _base(node, name, vector, positions),
+            faults,
+            positions,
+            derived_seed(node.seed, f"{node.name}.{name}"),
+            node.face.ports[name].type,
+        )
         for name, faults in node.faults.items()
-    ]  # fmt: skip
+    ]
+
+
+def _fitting(value: float, kind: str) -> float:
+    """Of whole numbers the nearest that there is."""
+    return value if kind == "Real" else float(min(max(round(value), INTEGERS[0]), INTEGERS[1]))
 
 
 def _base(node: Node, name: str, vector: Vector, positions: Mapping[str, int]) -> Callable[[], float]:

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from cosim.errors import CosimError, unknown
 from cosim.model.clock import SECOND, nanoseconds
 from cosim.model.configuration import LOOK, SAMPLE_PERIOD, Configuration, names, selected
+from cosim.model.effects import Delay, Drop, Freeze, Override
 from cosim.model.face import Face, Port, Value
 from cosim.model.fault import Fault
 from cosim.model.node import Change, Connection, Node, place
@@ -45,7 +46,10 @@ def assemble(configuration: Configuration, seed: int, step: float | None = None)
             _schedule(nodes[name], event, variable)
     for fault in system.faults:
         for name, variable in selected(system, faces, fault.signal, ("input",)):
-            _fail(nodes, nodes[name], variable, fault)
+            text = variable in faces[name].ports and faces[name].ports[variable].type == "String"
+            if not text or fault.signal == f"{name}.{variable}":  # of a pattern, texts are not meant
+                _fail(nodes[name], variable, fault)
+    _check_conditions(nodes)
     return nodes
 
 
@@ -118,22 +122,32 @@ def changing(instance: str, face: Face, name: str) -> Port:
     return port
 
 
-def _fail(nodes: Mapping[str, Node], node: Node, name: str, fault: Fault) -> None:
+def _fail(node: Node, name: str, fault: Fault) -> None:
     """The input `name` of the node has the fault."""
     where, port = f"{node.name}.{name}", node.face.ports.get(name)
     if port is None or port.causality != "input":
         raise no_input(node, name)
     if port.type == "String":
         raise CosimError(f"{where} is a String, which can only be set: give the event `set`")
+    if port.type in ("Boolean", "Enumeration") and not isinstance(fault.effect, Override | Freeze | Delay | Drop):
+        raise CosimError(f"{where} is {port.type}, which can be overridden, frozen, delayed or dropped, nothing else")
     for value in fault.effect.values:
-        coerce(where, port, value)
+        coerce(where, port, int(value) if port.items and value == round(value) else value)
     if any(change.variable == name for change in node.changes):
         raise CosimError(f"{where} is set by one event and changed by another; give it one kind of event only")
     node.faults.setdefault(name, []).append(fault)
-    known = {f"{other.name}.{output}" for other in nodes.values() for output in other.face.numbers}
-    for each in fault.when:
+
+
+def _check_conditions(nodes: Mapping[str, Node]) -> None:
+    """Raises CosimError for a condition on a signal that is no number of the system."""
+    found = [each for node in nodes.values() for faults in node.faults.values() for f in faults for each in f.when]
+    if not found:
+        return
+    known = {f"{node.name}.{name}" for node in nodes.values() for name in (*node.face.numbers, *node.faults)}
+    known |= {f"{node.name}.{change.variable}" for node in nodes.values() for change in node.changes}
+    for each in found:
         if each.signal not in known:
-            raise unknown("output", each.signal, known, LOOK)
+            raise unknown("signal of a condition", each.signal, known, "outputs, and inputs that events change")
 
 
 def _watched(node: Node, nodes: Mapping[str, Node]) -> Iterator[tuple[str, str]]:

@@ -115,13 +115,16 @@ class Delay:
 
 @dataclass(frozen=True, slots=True)
 class Drop:
-    """Each value is lost with this probability: the one before it stays."""
+    """Each new value is lost with this probability: the one before it stays.
+
+    A value that is offered again, as by a receiver between two of its messages, is not new.
+    """
 
     probability: float
     values: tuple[float, ...] = ()
 
     def begin(self, _time: float, value: float, random: np.random.Generator) -> Acting:
-        return _Dropping(self.probability, random, value)
+        return _Dropping(self.probability, random, value, value)
 
 
 @dataclass(slots=True)
@@ -172,10 +175,13 @@ class _Dropping:
     probability: float
     random: np.random.Generator
     last: float
+    offered: float
 
     def __call__(self, _time: float, value: float) -> float:
-        if self.random.random() >= self.probability:
-            self.last = value
+        if value != self.offered:
+            self.offered = value
+            if self.random.random() >= self.probability:
+                self.last = value
         return self.last
 
 

@@ -8,7 +8,7 @@ from decimal import Decimal, InvalidOperation
 from cosim.errors import CosimError
 from cosim.model.face import Port, Value
 
-_INTEGERS = (-(2**31), 2**31 - 1)  # fmi2Integer; beyond, a value would be wrapped on its way into the FMU
+INTEGERS = (-(2**31), 2**31 - 1)  # fmi2Integer; beyond, a value would be wrapped on its way into the FMU
 _MOST_DIGITS = 20
 _BOOLEANS = {"true": True, "1": True, "yes": True, "on": True, "false": False, "0": False, "no": False, "off": False}
 
@@ -23,7 +23,7 @@ def coerce(where: str, port: Port, value: Value) -> Value:
         return _item(where, port, value)
     whole = port.type != "Real"
     number = _whole(where, value) if whole else _real(where, value)
-    lowest, highest = _INTEGERS if whole else (-math.inf, math.inf)
+    lowest, highest = INTEGERS if whole else (-math.inf, math.inf)
     low = lowest if port.minimum is None else port.minimum
     high = highest if port.maximum is None else port.maximum
     if not low <= number <= high:
@@ -43,6 +43,8 @@ def _item(where: str, port: Port, value: Value) -> int:
 def _boolean(where: str, value: Value) -> bool:
     if isinstance(value, bool):
         return value
+    if isinstance(value, float) and value in (0.0, 1.0):
+        return bool(value)
     known = _BOOLEANS.get(str(value).lower())
     if known is None:
         raise CosimError(f"{where} = {value} is not a Boolean; write true or false")

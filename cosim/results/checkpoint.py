@@ -24,12 +24,16 @@ _FORMAT = 1
 
 @dataclass(frozen=True, slots=True)
 class Checkpoint:
-    """A moment of a run of which `rows` had been recorded; `asked` is the request, `models` the SHA-256 of its FMUs."""
+    """A moment of a run of which `rows` had been recorded; `asked` is the request, `models` the SHA-256 of its FMUs.
+
+    The `digest` is that of the system: instances, periods, values, connections, faults.
+    """
 
     moment: Moment
     rows: int
     asked: dict[str, Any]
     models: dict[str, str]
+    digest: str
 
 
 def write_checkpoint(kept: Checkpoint, folder: Path) -> None:
@@ -45,7 +49,8 @@ def write_checkpoint(kept: Checkpoint, folder: Path) -> None:
         "texts": list(moment.texts),
         "said": dict(moment.said),
         "acting": dict(moment.acting),
-        "counts": dict(moment.counts),
+        "signals": list(moment.signals),
+        "digest": kept.digest,
     }
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
@@ -74,9 +79,9 @@ def read_checkpoint(folder: Path) -> Checkpoint:
                 about["said"],
                 about["acting"],
                 {name: archive.read(f"state/{k}") for k, name in numbered},
-                about["counts"],
+                about["signals"],
             )
-            return Checkpoint(moment, about["rows"], about["asked"], about["models"])
+            return Checkpoint(moment, about["rows"], about["asked"], about["models"], about["digest"])
     except FileNotFoundError:
         raise CosimError(f"{folder} has no checkpoint; runs with --checkpoint leave one") from None
     except OSError as error:

@@ -42,7 +42,7 @@ def compare(first: Results, second: Results, patterns: Sequence[str] = ()) -> Co
     NaN equals NaN, and differs from every number by infinity.
     """
     names = signals(first, patterns)
-    both = [name for name in names if name in second and first[name].dtype.kind in "fiub"]
+    both = [name for name in names if name in second]
     begin, end = max(first.time[0], second.time[0]), min(first.time[-1], second.time[-1])
     shared = (first.time >= begin - ROUNDING) & (first.time <= end + ROUNDING)
     if not shared.any():
@@ -56,8 +56,10 @@ def compare(first: Results, second: Results, patterns: Sequence[str] = ()) -> Co
 
 
 def _difference(name: str, first: Results, second: Results, shared: np.ndarray) -> Difference:
-    time, one = first.time[shared], np.asarray(first[name][shared], float)
-    other = _at(time, second, name)
+    time = first.time[shared]
+    if "O" in (first[name].dtype.kind, second[name].dtype.kind):
+        return _of_texts(name, first, second, shared)
+    one, other = np.asarray(first[name][shared], float), _at(time, second, name)
     with np.errstate(invalid="ignore"):
         apart = np.where(one == other, 0.0, np.abs(one - other))  # equal infinities, too
     apart[np.isnan(one) & np.isnan(other)] = 0.0
@@ -66,6 +68,15 @@ def _difference(name: str, first: Results, second: Results, shared: np.ndarray) 
     largest = float(apart[worst])
     reach = max(_range(one), _range(other)) or 1.0
     return Difference(name, first.unit(name), largest, float(time[worst]), largest / reach)
+
+
+def _of_texts(name: str, first: Results, second: Results, shared: np.ndarray) -> Difference:
+    """Texts are equal or not; the text of the second run is that of its last row until then."""
+    time = first.time[shared]
+    place = np.clip(np.searchsorted(second.time, time + ROUNDING) - 1, 0, len(second.time) - 1)
+    other = np.flatnonzero(first[name][shared] != second[name][place])
+    apart = np.inf if len(other) else 0.0
+    return Difference(name, "", apart, float(time[other[0]]) if len(other) else float(time[0]), apart)
 
 
 def _at(time: np.ndarray, results: Results, name: str) -> np.ndarray:

@@ -43,6 +43,9 @@ class Provenance:
     set       what was given by --set, as "instance.variable=value"
     at        what was given by --at, as "time:instance.input=value"
     periods   what was given by --period, as "instance=seconds"
+    events    the files of --events, as "file sha256"
+    replaced  what was given by --replace, as "instance=file"
+    faults    what changes signals, as "instance.input: effect"
     values    parameters and inputs that start with another value than their FMU says, by "instance.variable"
     seed      of all noise
     stop      when the run was to end [s], None if that is not known
@@ -56,6 +59,9 @@ class Provenance:
     set: Sequence[str] = ()
     at: Sequence[str] = ()
     periods: Sequence[str] = ()
+    events: Sequence[str] = ()
+    replaced: Sequence[str] = ()
+    faults: Sequence[str] = ()
     values: Mapping[str, Value] = field(default_factory=dict)
     seed: int = 0
     stop: float | None = None
@@ -66,7 +72,8 @@ class Provenance:
 
     def data(self) -> dict[str, Any]:
         """Plain values as JSON has them."""
-        return asdict(self) | {"set": list(self.set), "at": list(self.at), "periods": list(self.periods)}
+        listed = ("set", "at", "periods", "events", "replaced", "faults")
+        return asdict(self) | {key: list(getattr(self, key)) for key in listed}
 
     def json(self) -> str:
         """As JSON text, the same for equal runs wherever their results are written."""
@@ -74,7 +81,8 @@ class Provenance:
 
     def text(self) -> str:
         """What the user chose, as the lines of a title; empty where nothing was."""
-        chosen = [*self.set, *(f"at {event}" for event in self.at)]
+        chosen = [*self.set, *(f"at {event}" for event in self.at), *self.replaced]
+        chosen += [f"events {file.partition(' ')[0]}" for file in self.events]
         chosen += [f"seed {self.seed}"] if self.seed else []
         chosen += [f"scheme {self.scheme}"] if self.scheme != "multirate" else []
         chosen += [f"step {self.step:g} s"] if self.step is not None else []

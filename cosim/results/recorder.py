@@ -94,10 +94,17 @@ class Recorder:
 
     def refill(self, table: Any) -> None:
         """Take the rows of an earlier recording with the same signals, before any of its own."""
-        numbers = len(self._index)
+        numbers, names = len(self._index), self._schema.names
+        kept = self._take(self._index)  # of an input that only now is recorded: what it has held
         for batch in table.to_batches(max_chunksize=len(self._rows)):
-            columns = [np.asarray(column.to_numpy(zero_copy_only=False), float) for column in batch.columns[:numbers]]
-            words = [column.to_pylist() for column in batch.columns[numbers:]]
+            known = dict(zip(batch.schema.names, batch.columns, strict=True))
+            columns = [
+                np.asarray(known[name].to_numpy(zero_copy_only=False), float)
+                if name in known
+                else np.full(batch.num_rows, kept[i])
+                for i, name in enumerate(names[:numbers])
+            ]
+            words = [known[name].to_pylist() for name in names[numbers:]]
             for k in range(batch.num_rows):
                 self._rows[self._filled][:] = [column[k] for column in columns]
                 self._filled += 1

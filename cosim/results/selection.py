@@ -33,9 +33,10 @@ def signals(results: Results, patterns: Sequence[str]) -> list[str]:
 
 def rows(time: np.ndarray, every: float) -> np.ndarray:
     """The rows nearest after each multiple of `every` [s], and the last one; all rows where it is 0."""
+    if not (np.isfinite(every) and every >= 0.0):
+        raise CosimError(f"the time between two rows is {every:g} s; it must be finite and not negative")
     if every == 0.0 or len(time) < 2:
         return np.arange(len(time))
-    if every < 0.0:
-        raise CosimError(f"the time between two rows is {every:g} s; it must not be negative")
-    due = np.arange(time[0], time[-1] + ROUNDING, every)
-    return np.unique(np.append(np.searchsorted(time, due - ROUNDING), len(time) - 1))
+    passed = np.floor((time - time[0] + ROUNDING) / every)
+    first = np.append(True, np.diff(passed) > 0)
+    return np.flatnonzero(first | (np.arange(len(time)) == len(time) - 1))

@@ -54,7 +54,7 @@ class Summary:
     reason            one sentence; empty when the status is "ok", unless an FMU ended the simulation itself
     stop_time         simulated time reached [s]
     wall_time         real time it took [s], without loading and initialising
-    real_time_factor  stop_time / wall_time
+    real_time_factor  simulated time, of a resumed run since then, per wall_time
     record_every      time between two recorded rows [s], 0 for a row at every tick
     unrecorded        patterns of the signals that were left out of the results
     seed              seed of all noise
@@ -117,7 +117,7 @@ def summarise(
         reason=outcome.reason,
         stop_time=reached,
         wall_time=wall,
-        real_time_factor=reached / wall if wall else 0.0,
+        real_time_factor=(reached - to_seconds(outcome.begun)) / wall if wall else 0.0,
         record_every=to_seconds(record_every),
         unrecorded=tuple(unrecorded),
         seed=seed,

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
+from cosim.model.clock import SECOND, to_seconds
 from cosim.model.configuration import SAMPLE_PERIOD
 from cosim.model.node import Node
 from cosim.model.system import System
@@ -15,7 +16,20 @@ def remarks(system: System, nodes: Mapping[str, Node]) -> list[str]:
     for name, node in nodes.items():
         for sentence in (_begins_later(node), _taken_as_sampled(node, said=system.instances[name].kind is not None)):
             first.setdefault((node.model, sentence), name)
-    return [f"{name}: {sentence}" for (_, sentence), name in first.items() if sentence]
+    found = [f"{name}: {sentence}" for (_, sentence), name in first.items() if sentence]
+    return found + [sentence for node in nodes.values() for sentence in _missed(node)]
+
+
+def _missed(node: Node) -> Iterator[str]:
+    """Faults that end before the instance takes its inputs."""
+    for name, faults in node.faults.items():
+        for fault in faults:
+            first = -(-round(fault.begin * SECOND) // node.period) * node.period
+            if to_seconds(first) >= fault.end:
+                yield (
+                    f"{node.name}.{name}: nothing is taken in between {fault.begin:g} and {fault.end:g} s, so the "
+                    f"event has no effect; {node.name} takes its inputs every {to_seconds(node.period):g} s"
+                )
 
 
 def _begins_later(node: Node) -> str:

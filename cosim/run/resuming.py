@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +13,8 @@ from pyarrow import parquet
 from cosim.engine.master import Master
 from cosim.engine.order import Tick
 from cosim.errors import CosimError
-from cosim.model.clock import to_seconds
-from cosim.model.face import Value
+from cosim.model.clock import SECOND, to_seconds
+from cosim.model.face import Port, Value
 from cosim.model.values import coerce
 from cosim.results.checkpoint import Checkpoint, absolute, read_checkpoint, write_checkpoint
 from cosim.results.reading import load_results
@@ -42,10 +43,20 @@ def asked(request: Request) -> dict[str, Any]:
     """The request in plain values, from which `again` makes it anew in any folder."""
     plain = {key: getattr(request, key) for key in _KEPT}
     return plain | {
-        "origin": absolute(request.origin or request.scenario.name),
+        "origin": _origin(request.origin or request.scenario.name),
+        "assignments": [
+            (name, absolute(text) if name.endswith("_file") else text) for name, text in request.assignments
+        ],
         "replacements": [(name, absolute(str(file))) for name, file in request.replacements],
-        "event_files": [absolute(name) for name in request.event_files],
+        "event_files": [absolute(name) if name.endswith(".toml") else name for name in request.event_files],
     }
+
+
+def _origin(name: str) -> str:
+    """What the user named, so that it means the same from any folder."""
+    file, mark, rest = name.partition("#")
+    is_file = Path(file).suffix.lower() in (".toml", ".ssp", ".ssd") or Path(file, "SystemStructure.ssd").is_file()
+    return f"{absolute(file)}{mark}{rest}" if is_file else name
 
 
 def resumed(folder: Path, changes: Sequence[tuple[str, str]] = ()) -> tuple[str, dict[str, Any], Resumed]:
@@ -77,29 +88,34 @@ def restore(made: RunPlan, master: Master, recorder: Recorder) -> None:
     if again is None:
         return
     moment = again.checkpoint.moment
-    if moment.states.keys() != made.nodes.keys() or len(moment.vector) != len(master.vector):
-        raise CosimError("the checkpoint is of a system with other instances or signals; begin the run anew")
     recorder.refill(again.table)
     recorder.flush()
     (made.request.folder / BEFORE).unlink()
     master.put_back(moment)
     for signal, value in again.changes:
         _set(made, master, signal, value)
+    _Keep(made, master, recorder, moment.time)()
 
 
 def ticks(made: RunPlan, master: Master, recorder: Recorder) -> Iterator[Tick]:
     """The ticks that are left, with a checkpoint before those at which one is due."""
     again, every = made.request.resume, made.request.checkpoint_interval
     start = again.checkpoint.moment.time if again else 0
-    due = (start // every + 1) * every if every else None
+    due = (start // every + 1) * every if every else made.request.stop
     for time, order in master.ticks(made.request.stop, recorder):
         if time < start:
             continue
-        if due is None or time < due:
+        if time < due or _cut(made, time):
             yield time, order
-            continue
-        due = (time // (every or 1) + 1) * (every or 1)
-        yield time, order.framed([_Keep(made, master, recorder, time)])
+        else:
+            due = (time // every + 1) * every
+            yield time, order.framed([_Keep(made, master, recorder, time)])
+
+
+def _cut(made: RunPlan, time: int) -> bool:
+    """Whether a step under way just before `time` [ns] was cut to end with the run, which then cannot end later."""
+    periods = [made.nodes[name].period for name in made.schedule.parallel]
+    return any((time - 1) // period * period + period > made.request.stop for period in periods)
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +130,8 @@ class _Keep:
     def __call__(self) -> None:
         models = {name: model.sha256 for name, model in self.made.provenance.models.items()}
         self.recorder.flush()
-        kept = Checkpoint(self.master.moment(self.time), self.recorder.rows, asked(self.made.request), models)
+        made, moment = self.made, self.master.moment(self.time)
+        kept = Checkpoint(moment, self.recorder.rows, asked(made.request), models, digest(made))
         write_checkpoint(kept, self.made.request.folder)
 
 
@@ -126,18 +143,40 @@ def check_same(made: RunPlan) -> None:
     time = again.checkpoint.moment.time
     if made.request.stop <= time:
         raise CosimError(f"the checkpoint is of {to_seconds(time):g} s; let the run end later")
+    for event, signal, _ in made.request.events[len(again.checkpoint.asked["events"]) :]:
+        if event * SECOND < time:
+            raise CosimError(f"{signal} cannot be set at {event:g} s: the checkpoint is of {to_seconds(time):g} s")
+    for signal, _ in again.changes:
+        _free(made, signal)
+    if again.checkpoint.digest != digest(made):
+        raise CosimError("the checkpoint is of a system with other instances, values or connections; begin anew")
     for name, model in made.provenance.models.items():
         if again.checkpoint.models.get(name) != model.sha256:
             raise CosimError(f"{model.file} is not the FMU of the checkpoint; begin the run anew")
 
 
-def _set(made: RunPlan, master: Master, signal: str, value: Value) -> None:
+def digest(made: RunPlan) -> str:
+    """Of all that makes the system of a run but for its FMUs and for values that change on the way."""
+    told = []
+    for node in made.nodes.values():
+        values = [(key, Path(v).name if isinstance(v, str) else v) for key, v in sorted(node.values.items())]
+        told.append((node.name, node.period, node.kind, values, [*node.incoming.values()], sorted(node.faults.items())))
+    return sha256(repr((told, made.schedule.sequential, made.schedule.parallel)).encode()).hexdigest()
+
+
+def _free(made: RunPlan, signal: str) -> tuple[str, str, Port]:
+    """The instance, the variable and its port, if it can be set where a run goes on; raises CosimError."""
     instance, variable = made.configured.configuration.system.split(signal)
     node = made.nodes[instance]
     port = node.face.ports.get(variable)
-    free = port is not None and port.causality == "input" and variable not in node.incoming
-    if port is None or not (free or port.variability == "tunable"):
+    fed = variable in node.incoming or variable in node.faults
+    if port is None or not ((port.causality == "input" and not fed) or port.variability == "tunable"):
         raise CosimError(
             f"{signal} cannot be set where a run goes on: only inputs that nothing feeds and tunable parameters can"
         )
+    return instance, variable, port
+
+
+def _set(made: RunPlan, master: Master, signal: str, value: Value) -> None:
+    instance, variable, port = _free(made, signal)
     master.set(instance, {variable: coerce(signal, port, value)})

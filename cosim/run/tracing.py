@@ -22,7 +22,15 @@ def provenance(
     return Provenance(
         settings=dict(settings),
         set=[f"{signal}={value}" for signal, value in request.assignments],
-        at=[f"{time:g}:{signal}={value}" for time, signal, value in request.events],
+        at=[f"{time:g}:{signal}={value}" for time, signal, value in (*request.events, *_branched(request))],
+        events=[_event_file(name) for name in request.event_files],
+        replaced=[f"{name}={file.name}" for name, file in request.replacements],
+        faults=[
+            f"{node.name}.{name}: {fault.effect} from {fault.begin:g} to {fault.end:g} s {fault.condition}".rstrip()
+            for node in nodes.values()
+            for name, faults in node.faults.items()
+            for fault in faults
+        ],
         values=dict(_changed(nodes)),
         periods=[f"{pattern}={period!r}" for pattern, period in request.periods],
         seed=request.seed,
@@ -34,6 +42,18 @@ def provenance(
         },
         versions=versions(),
     )
+
+
+def _branched(request: Request) -> Iterator[tuple[float, str, Value]]:
+    """What was set where the run went on from a checkpoint."""
+    again = request.resume
+    for signal, value in again.changes if again else ():
+        yield to_seconds(again.checkpoint.moment.time) if again else 0.0, signal, value
+
+
+def _event_file(name: str) -> str:
+    file = Path(name)
+    return f"{file.name} {sha256(file.read_bytes()).hexdigest()}" if name.endswith(".toml") else name
 
 
 def _changed(nodes: Mapping[str, Node]) -> Iterator[tuple[str, Value]]:

@@ -7,7 +7,8 @@ from copy import deepcopy
 from dataclasses import dataclass, field
 
 from cosim.errors import unknown
-from cosim.model.configuration import LOOK, Configuration, names
+from cosim.model.configuration import LOOK, Configuration
+from cosim.model.patterns import matches_any
 from cosim.model.system import System
 from cosim.scenario.definition import Scenario, Work
 from cosim.scenario.limit import Limit
@@ -51,10 +52,12 @@ def scenario_of(said: Description) -> Scenario:
 
 
 def _check(measures: Mapping[str, Measure], configuration: Configuration) -> None:
-    """Raises CosimError for a measure of a signal that there is none of."""
+    """Raises CosimError for a measure of a signal that is no recorded number."""
+    system = configuration.system
+    changed = [event.signal for event in system.events] + [fault.signal for fault in system.faults]
     for measure in measures.values():
         for signal in filter(None, (measure.signal, measure.minus)):
-            instance, variable = configuration.system.split(signal)
+            instance, variable = system.split(signal)
             face = configuration.faces[instance]
-            if variable not in face.ports:
-                raise unknown(f"output of {instance} ({face.model})", variable, names(face, "output"), LOOK)
+            if variable not in face.numbers and not matches_any(signal, changed):
+                raise unknown(f"output of {instance} ({face.model}) that is a number", variable, face.numbers, LOOK)

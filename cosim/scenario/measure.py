@@ -46,8 +46,8 @@ def measured(measures: Mapping[str, Measure], results: Results) -> dict[str, Met
 
 
 def _value(measure: Measure, results: Results) -> float:
-    values = results[measure.signal]
+    values = np.asarray(results[measure.signal], float)
     if measure.minus is not None:
-        values = values - results[measure.minus]
+        values = values - np.asarray(results[measure.minus], float)
     values = values[results.time >= measure.after]
     return _COMPUTED[measure.of](values) if len(values) else float("nan")

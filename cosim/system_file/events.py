@@ -39,7 +39,9 @@ def add_events(system: System, events: Iterable[EventForm], file: Path) -> None:
 
 
 def _add(system: System, event: EventForm, where: str, folder: Path) -> None:
-    given = [key for key in _EFFECTS if getattr(event, key) is not None and getattr(event, key) is not False]
+    given = [
+        key for key in _EFFECTS if getattr(event, key) is not None and (key, getattr(event, key)) != ("freeze", False)
+    ]
     if event.set is not None:
         if event.signal is not None or given or event.when or event.until != math.inf:
             raise CosimError(f"{where}: set stands alone with time; give other effects a signal")
@@ -61,9 +63,11 @@ def _add(system: System, event: EventForm, where: str, folder: Path) -> None:
 def _effect(event: EventForm, kind: str, folder: Path) -> Effect:
     value = getattr(event, kind)
     if kind in ("scale", "bias"):
+        if not all(map(math.isfinite, filter(None, (event.scale, event.bias)))):
+            raise CosimError("scale and bias must be finite numbers")
         return Linear(1.0 if event.scale is None else event.scale, event.bias or 0.0)
     made: dict[str, Callable[[], Effect]] = {
-        "override": lambda: Override(value),
+        "override": lambda: Override(float(value)),
         "ramp_to": lambda: Ramp(value, _positive(event.over, "over")),
         "table": lambda: _checked(value, kind) if isinstance(value, list) else _table(folder / value),
         "noise": lambda: Noise(_positive(value, kind)),

@@ -50,7 +50,7 @@ class EventForm(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=True):
     signal: str | None = None
     until: float = math.inf
     when: str = ""
-    override: float | None = None
+    override: float | bool | None = None
     ramp_to: float | None = None
     over: float | None = None
     table: str | list[list[float]] | None = None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 from cosim.errors import CosimError
@@ -28,6 +29,8 @@ def read_system(file: Path) -> Description:
     for number, connection in enumerate(form.connections, start=1):
         _connect(system, connection, f"{file}, connection {number}")
     add_events(system, form.events, file)
+    for key, metric in form.metrics.items():
+        _check(key, metric, file)
     name = form.name or file.stem
     return Description(
         name,
@@ -94,6 +97,11 @@ def _whole(key: str, where: str) -> int:
         return int(_BOOLEANS.get(key, key))
     except ValueError:
         raise CosimError(f"{where}: the map has {key!r}; give whole numbers, true or false") from None
+
+
+def _check(name: str, form: MetricForm, file: Path) -> None:
+    if any(map(math.isnan, (form.after, form.at_most, form.at_least))):
+        raise CosimError(f"{file}, metric {name}: after, at_most and at_least must be numbers")
 
 
 def _limited(form: MetricForm) -> bool:

@@ -11,6 +11,7 @@ from cosim_mocks import Mock, face, simulate
 
 from cosim.errors import CosimError
 from cosim.model.effects import Delay, Drop, Effect, Freeze, Linear, Noise, Override, Ramp, Table
+from cosim.model.face import Port
 from cosim.model.fault import Fault, comparisons
 from cosim.model.system import System
 from cosim.system_file.events import add_events, add_events_of
@@ -97,6 +98,75 @@ def test_noise_is_normal_and_repeatable() -> None:
     assert abs(np.corrcoef(y, z)[0, 1]) < 4 / math.sqrt(500)
 
 
+@pytest.mark.parametrize("effect", [Freeze(), Drop(1.0), Delay(0.25)])
+def test_from_the_beginning_on_it_is_the_first_value_that_stays(effect: Effect) -> None:
+    """Not what the output was before anything had been calculated: here a loop whose first value is 7."""
+    mocks = {
+        "one": Mock(
+            face({"b": "m"}, {"a": "m"}, step=STEP), lambda time, _length, _held: {"a": 7.0 + time}, {"a": 7.0}
+        ),
+        "two": Mock(face({"a": "m"}, {"b": "m"}, step=STEP), lambda _time, _length, held: {"b": held["a"]}),
+    }
+    system = System()
+    system.add("one", "Mock")
+    system.add("two", "Mock")
+    system.connect("one", "two")
+    system.connect("two", "one")
+    system.fail(Fault("two.a", effect))
+    _, rows = simulate(system, mocks, 0.3)
+    assert [row["two.a"] for row in rows[:3]] == [7.0, 7.0, 7.0]
+
+
+def test_a_value_that_is_offered_again_is_not_dropped_again() -> None:
+    """Ten messages, each offered ten times: half of the messages are lost, not half of the offers."""
+    arrived = 0
+    for seed in range(40):
+        act = Drop(0.5).begin(0.0, 0.0, np.random.default_rng(seed))
+        seen = {act(0.1 * k, float(1 + k // 10)) for k in range(100)}
+        arrived += len(seen - {0.0})
+    assert arrived / 400 == pytest.approx(0.5, abs=4 * 0.5 / math.sqrt(400))
+
+
+def test_what_is_recorded_of_whole_numbers_is_what_is_taken() -> None:
+    whole = Port("n", 0, "input", "Integer", "discrete")
+    switch = Port("b", 0, "input", "Boolean", "discrete")
+    taken: list[dict[str, float]] = []
+
+    def note(_time: float, _length: float, held: dict[str, float]) -> dict[str, float]:
+        taken.append(dict(held))
+        return {"seen": 0.0}
+
+    mocks = {"taker": Mock(face({}, {"seen": "m"}, step=STEP, extra=(whole, switch)), note)}
+    system = System()
+    system.add("taker", "Mock")
+    system.fail(Fault("taker.n", Ramp(10.0, 0.35)))
+    system.fail(Fault("taker.b", Override(1.0), 0.2))
+    system.fail(Fault("taker.n", Linear(1e12), 0.5))
+    _, rows = simulate(system, mocks, 0.8)
+    assert [row["taker.n"] for row in rows[:5]] == [0, 3, 6, 9, 10]
+    assert rows[6]["taker.n"] == 2**31 - 1
+    assert [row["taker.b"] for row in rows[:4]] == [0, 0, 1, 1]
+    assert [held["n"] for held in taken] == [row["taker.n"] for row in rows[:-1]]
+    for effect in (Noise(1.0), Linear(2.0), Ramp(1.0, 1.0)):
+        system.faults = [Fault("taker.b", effect)]
+        with pytest.raises(
+            CosimError, match=r"taker\.b is Boolean, which can be overridden, frozen, delayed or dropped"
+        ):
+            simulate(system, mocks, 0.8)
+
+
+def test_a_pattern_does_not_mean_texts_and_a_condition_may_look_at_inputs_with_events() -> None:
+    text = Port("name", 0, "input", "String", "discrete")
+    mocks = {"taker": Mock(face({"x": "m"}, {"seen": "m"}, step=STEP, extra=(text,)), lambda *_: {"seen": 0.0})}
+    system = System()
+    system.add("taker", "Mock")
+    system.fail(Fault("taker.*", Ramp(1.0, 1.0)))
+    system.fail(Fault("taker.x", Linear(0.0, 5.0), when=comparisons("taker.x > 0.45")))
+    _, rows = simulate(system, mocks, 0.8)
+    # the condition looks at what was shown a tick before, and by then the ramp is past it
+    assert [row["taker.x"] for row in rows[:8]] == pytest.approx([0, 0.1, 0.2, 0.3, 0.4, 0.5, 5.0, 5.0])
+
+
 def test_dropped_values_are_as_many_as_they_should_be() -> None:
     steps = [_dropping(seed) for seed in range(60)]
     lost = np.mean(steps)
@@ -176,7 +246,7 @@ def test_mistakes(tmp_path: Path) -> None:
     ("fault", "sentence"),
     [
         (Fault("meter.seen", Freeze()), "unknown input of meter .*seen"),
-        (Fault("meter.t", Freeze(), when=comparisons("clock.x > 1")), "unknown output .*clock.x"),
+        (Fault("meter.t", Freeze(), when=comparisons("clock.x > 1")), "unknown signal of a condition .*clock.x"),
     ],
 )
 def test_signals_that_are_not_there(fault: Fault, sentence: str) -> None:

@@ -59,6 +59,13 @@ def test_late_ticks_are_counted_and_do_not_wait() -> None:
     assert pace.latest == pytest.approx(0.45) and clock.slept == 0.0
 
 
+def test_a_run_that_goes_on_does_not_wait_for_what_was_before() -> None:
+    clock = Clock()
+    pace = Pace(2.0, now=clock.now, sleep=clock.sleep)
+    list(pace.paced(iter([(600 * SECOND, None), (601 * SECOND, None)])))  # type: ignore[list-item]
+    assert clock.slept == pytest.approx(0.5)
+
+
 def test_an_interrupt_ends_the_waiting() -> None:
     clock = Clock()
     pace = Pace(1e-6, now=clock.now, sleep=clock.sleep)

@@ -76,6 +76,14 @@ def test_rows() -> None:
     assert rows(TIME[:4], 0.2).tolist() == [0, 2, 3], "the last row is always there"
 
 
+def test_texts_are_equal_or_not(tmp_path: Path) -> None:
+    one = load_results(folder_of(tmp_path / "one", said=np.array(["a"] * 11, object)))
+    other = load_results(folder_of(tmp_path / "two", said=np.array(["a"] * 6 + ["b"] * 5, object)))
+    (only,) = compare(one, other).beyond(1e9)
+    assert (only.signal, only.at) == ("said", pytest.approx(0.6))
+    assert not compare(one, one).beyond(0.0)
+
+
 def test_mistakes(results: Results, tmp_path: Path) -> None:
     for patterns, sentence in (
         (["car.z"], r"unknown signal 'car\.z'.*car\.x"),
@@ -85,6 +93,10 @@ def test_mistakes(results: Results, tmp_path: Path) -> None:
             signals(results, patterns)
     with pytest.raises(CosimError, match=r"none of the suffixes \.csv, \.mat, \.mf4"):
         convert(results, tmp_path / "r.xlsx")
+    for every in (math.nan, math.inf, -1.0):
+        with pytest.raises(CosimError, match="must be finite and not negative"):
+            rows(TIME, every)
+    assert len(rows(TIME, 1e-12)) == len(TIME)
     with pytest.raises(CosimError, match="cannot be written: No such file"):
         convert(results, tmp_path / "none" / "r.csv")
 
@@ -134,6 +146,9 @@ def test_the_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: p
     assert called(monkeypatch, "compare", one, other, "--tolerance", "0.04") == 1
     assert "a signal differs by more than 0.04" in capsys.readouterr().err
     assert called(monkeypatch, "compare", one, other, "--tolerance", "0.06") == 0
+    strange = folder_of(tmp_path / "strange", extra=TIME)
+    assert called(monkeypatch, "compare", one, strange, "--tolerance", "1") == 1
+    assert called(monkeypatch, "compare", one, strange, "--tolerance", "1", "--signal", "car.x") == 0
     assert called(monkeypatch, "show", one, "car.*", "-o", tmp_path / "s.svg") == 0
     assert "<svg" in (tmp_path / "s.svg").read_text()
     for variable in ("DISPLAY", "WAYLAND_DISPLAY"):

@@ -71,6 +71,35 @@ def test_inputs_are_set_on_the_way(system: System) -> None:
         assert stepped["keeper.valve"] == (stepped.results["tank.level"][-2] >= 2.0)
 
 
+def test_wrong_uses_are_told(system: System) -> None:
+    with pytest.raises(CosimError, match="a simulation has no realtime; it has assignments"):
+        Simulation(system, 1.0, realtime=1.0)
+    run = Simulation(system, stop_time=1.0)
+    for use in (run.step, lambda: run.set("tank.inflow", 1.0)):
+        with pytest.raises(CosimError, match="live in its context"):
+            use()
+    with run:
+        assert len(run.results.time) == 0
+        run.step()
+        assert run["keeper.word"] == "shut"
+
+        def wrong(_run: Simulation) -> None:
+            raise ZeroDivisionError
+
+        run.watch(wrong)
+        with pytest.raises(ZeroDivisionError):
+            run.step()
+        assert not run.step(), "half a tick was done"
+    with pytest.raises(CosimError, match="live in its context"):
+        run.set("tank.inflow", 1.0)
+    with pytest.raises(CosimError, match="runs once"), run:
+        pass
+    with Simulation(system, stop_time=1.0) as other:
+        other.watch(lambda simulation: simulation.step())
+        with pytest.raises(CosimError, match="cannot be stepped by its own watcher"):
+            other.step()
+
+
 def test_what_goes_wrong(system: System) -> None:
     with pytest.raises(CosimError, match="a system has no stop time of its own"):
         Simulation(system)

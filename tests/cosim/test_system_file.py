@@ -163,6 +163,8 @@ MM = '<Unit name="m"><BaseUnit m="1"/></Unit><Unit name="mm"><BaseUnit m="1" fac
         ("time = 0.5", "time = -0.5", r"cannot be set at -0\.5 s"),
         ('of = "last"', 'of = "median"', r"invalid enum value 'median', in metrics"),
         ('"tank2.level"\nof', '"tank2.depth"\nof', r"unknown output of tank2 .*depth.*level"),
+        ("at_most = 3.0", "at_most = nan", r"metric difference: after, at_most and at_least must be numbers"),
+        ('signal = "tank2.level"', 'signal = "tank2.rate"', r"unknown output of tank2 .* that is a number"),
         ("stop_time = 1.0", "stop_time = ", r"is no TOML: .*line 3"),
         ("[instances.tank2]", "[instances.tank1]", r"is no TOML: .*tank1"),
     ],

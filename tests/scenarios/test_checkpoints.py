@@ -122,6 +122,65 @@ def test_a_branch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert abs(pushed["plant.yaw"][-1] - whole["plant.yaw"][-1]) > 1e-3
 
 
+SLOW = """
+stop_time = 1.0
+[instances.car]
+model = "Unicycle"
+period = 0.3
+parameters = {"initial.speed" = 10.0}
+[instances.gps]
+model = "GpsReceiver"
+period = 0.05
+[[connections]]
+from = "car"
+to = "gps"
+names = {"truth." = ""}
+[[events]]
+signal = "car.command.yaw_rate"
+override = 0.3
+"""
+
+
+def test_a_step_that_was_cut_is_no_place_to_go_on_from(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The car's step from 0.9 s ends with the run at 1 s: a checkpoint at 0.95 s would leave out what follows."""
+    file = tmp_path / "slow.toml"
+    file.write_text(SLOW)
+    quiet = ("--quiet", "--no-report")
+    assert called(monkeypatch, "run", file, "--checkpoint", "0.05", "-o", tmp_path / "begun", *quiet) == 0
+    assert called(monkeypatch, "run", file, "--stop-time", "2", "-o", tmp_path / "whole", *quiet) == 0
+    on = ("--resume", tmp_path / "begun", "--stop-time", "2", "-o", tmp_path / "on")
+    assert called(monkeypatch, "run", *on, *quiet) == 0
+    assert called(monkeypatch, "compare", tmp_path / "whole", tmp_path / "on", "--tolerance", "0") == 0
+
+
+def test_an_input_that_is_set_only_in_the_branch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is recorded from the beginning on, with what it held, and the branch can be gone on with at once."""
+    file = tmp_path / "slow.toml"
+    file.write_text(SLOW)
+    quiet = ("--quiet", "--no-report")
+    begun, branch, again = (tmp_path / name for name in ("begun", "branch", "again"))
+    assert called(monkeypatch, "run", file, "--checkpoint", "0.3", "-o", begun, *quiet) == 0
+    new = ("--at", "0.9:car.command.speed=3")
+    assert called(monkeypatch, "run", "--resume", begun, *new, "--stop-time", "2", "-o", branch, *quiet) == 0
+    assert called(monkeypatch, "run", file, "--stop-time", "2", *new, "-o", tmp_path / "whole", *quiet) == 0
+    assert called(monkeypatch, "compare", tmp_path / "whole", branch, "--tolerance", "0") == 0
+    assert called(monkeypatch, "run", "--resume", branch, "-o", again, *quiet) == 0
+    assert called(monkeypatch, "compare", again, branch, "--tolerance", "0") == 0
+
+
+def test_another_system_under_the_same_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, begun = tmp_path / "slow.toml", tmp_path / "begun"
+    file.write_text(SLOW)
+    assert called(monkeypatch, "run", file, "--checkpoint", "0.3", "-o", begun, "--quiet", "--no-report") == 0
+    for old, new in (("override = 0.3", "override = 0.4"), ("= 10.0", "= 11.0"), ("period = 0.3", "period = 0.15")):
+        file.write_text(SLOW.replace(old, new))
+        on = ("--resume", begun, "--stop-time", "2", "-o", tmp_path / "on")
+        assert called(monkeypatch, "run", *on, "--quiet") == 2
+        assert "begin anew" in capsys.readouterr().err
+
+
 def test_mistakes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     begun = tmp_path / "begun"
     run(Request(load("lateral-tracking"), begun, stop_time=0.3, checkpoint=0.1))
@@ -137,6 +196,8 @@ def test_mistakes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytes
         (["--resume", begun, "--set", "plant.body_force.y=1"], "needs a folder of its own"),
         (["--resume", begun, "--set", "plant.mass=1", "-o", tmp_path / "o"], "cannot be set where a run goes on"),
         (["--resume", begun, "--stop-time", "0.1", "-o", tmp_path / "o"], "of 0.2 s; let the run end later"),
+        (["--resume", begun, "--at", "0.1:plant.body_force.y=1", "-o", tmp_path / "o"], "cannot be set at 0.1 s"),
+        (["--resume", begun, "--isolate", "all"], "a run goes on with its own settings"),
         (["lateral-tracking", "--checkpoint", "0", "-o", tmp_path / "o"], "must be positive"),
         ([], "name a scenario"),
     ):
