@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from cosim.engine.schedule import Scheme
 from cosim.errors import CosimError
 from cosim.model.parsing import parse_assignments
 
@@ -38,6 +39,36 @@ EventFiles = Annotated[
     list[str] | None,
     typer.Option("--events", metavar="FILE.toml", help="Events and faults from a file, or one of `cosim list`."),
 ]
+Stepping = Annotated[
+    Scheme, typer.Option(help="jacobi: all step together and exchange afterwards, as most other tools do.")
+]
+Step = Annotated[float | None, typer.Option(metavar="S", help="One communication step for all, in s.")]
+Output = Annotated[Path | None, typer.Option("-o", "--output", help="Results folder; results/NAME if left out.")]
+RecordEvery = Annotated[
+    float | None, typer.Option(metavar="S", help="Time between two recorded rows, in s; 0 records at every tick.")
+]
+RecordAll = Annotated[bool, typer.Option("--record-all", help="Record the signals too that the scenario leaves out.")]
+Isolate = Annotated[
+    list[str] | None,
+    typer.Option(metavar="INSTANCE", help="Give instances processes of their own; a pattern such as car*, or all."),
+]
+IsolateTimeout = Annotated[
+    float, typer.Option(metavar="S", help="What a call of an isolated instance may take, in s of wall time.")
+]
+Realtime = Annotated[
+    float | None, typer.Option(metavar="FACTOR", help="Keep to the clock: 1 is real time, 2 twice as fast.")
+]
+CheckpointEvery = Annotated[
+    float | None, typer.Option(metavar="S", help="Keep a checkpoint every so many simulated s.")
+]
+Resume = Annotated[
+    Path | None, typer.Option(metavar="DIR", help="Go on from the checkpoint in DIR; with --set and -o branch off.")
+]
+Explain = Annotated[bool, typer.Option("--explain", help="Print order, periods, edges and conversions.")]
+Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print the summary as JSON and nothing else.")]
+Strict = Annotated[bool, typer.Option("--strict", help="Exit with 1 when the mission was missed.")]
+NoReport = Annotated[bool, typer.Option("--no-report", help="Draw no overview.png.")]
 
 
 def assigned(assignments: list[str] | None, parameters: list[Path] | None) -> list[tuple[str, str]]:

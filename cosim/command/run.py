@@ -5,29 +5,41 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
-
-import typer
+from typing import Any
 
 from cosim.command.explain import explanation
 from cosim.command.opening import opened
 from cosim.command.options import (
+    AsJson,
     Assignments,
+    CheckpointEvery,
     EventFiles,
     Events,
+    Explain,
+    Isolate,
+    IsolateTimeout,
+    NoReport,
     OptionalName,
+    Output,
     Parameters,
     Periods,
+    Quiet,
+    Realtime,
+    RecordAll,
+    RecordEvery,
     Replacements,
+    Resume,
     Seed,
+    Step,
+    Stepping,
     StopTime,
+    Strict,
     assigned,
     replacements,
 )
 from cosim.command.show import show
 from cosim.command.terminal import notices, progress
 from cosim.engine.loader import ISOLATION_TIMEOUT
-from cosim.engine.schedule import Scheme
 from cosim.errors import CosimError, RunFailedError, RunInterruptedError
 from cosim.model.parsing import parse_events, parse_periods
 from cosim.results.summary import Summary
@@ -48,42 +60,23 @@ def run_command(
     event_files: EventFiles = None,
     seed: Seed = 0,
     stop_time: StopTime = None,
-    scheme: Annotated[
-        Scheme, typer.Option(help="jacobi: all step together and exchange afterwards, as most other tools do.")
-    ] = "multirate",
-    step: Annotated[float | None, typer.Option(metavar="S", help="One communication step for all, in s.")] = None,
-    folder: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Results folder; results/NAME if left out.")
-    ] = None,
+    scheme: Stepping = "multirate",
+    step: Step = None,
+    folder: Output = None,
     events: Events = None,
     periods: Periods = None,
-    record_every: Annotated[
-        float | None, typer.Option(metavar="S", help="Time between two recorded rows, in s; 0 records at every tick.")
-    ] = None,
-    record_all: Annotated[
-        bool, typer.Option("--record-all", help="Record the signals too that the scenario leaves out.")
-    ] = False,
-    isolate: Annotated[
-        list[str] | None,
-        typer.Option(metavar="INSTANCE", help="Give instances processes of their own; a pattern such as car*, or all."),
-    ] = None,
-    isolate_timeout: Annotated[
-        float, typer.Option(metavar="S", help="What a call of an isolated instance may take, in s of wall time.")
-    ] = ISOLATION_TIMEOUT,
-    realtime: Annotated[
-        float | None, typer.Option(metavar="FACTOR", help="Keep to the clock: 1 is real time, 2 twice as fast.")
-    ] = None,
-    checkpoint: Annotated[
-        float | None, typer.Option(metavar="S", help="Keep a checkpoint every so many simulated s.")
-    ] = None,
-    resume: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Go on from the checkpoint in DIR; with --set and -o branch off.")
-    ] = None,
-    explain: Annotated[bool, typer.Option("--explain", help="Print order, periods, edges and conversions.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON and nothing else.")] = False,
-    strict: Annotated[bool, typer.Option("--strict", help="Exit with 1 when the mission was missed.")] = False,
-    no_report: Annotated[bool, typer.Option("--no-report", help="Draw no overview.png.")] = False,
+    record_every: RecordEvery = None,
+    record_all: RecordAll = False,
+    isolate: Isolate = None,
+    isolate_timeout: IsolateTimeout = ISOLATION_TIMEOUT,
+    realtime: Realtime = None,
+    checkpoint: CheckpointEvery = None,
+    resume: Resume = None,
+    explain: Explain = False,
+    quiet: Quiet = False,
+    as_json: AsJson = False,
+    strict: Strict = False,
+    no_report: NoReport = False,
 ) -> None:
     """Run a scenario and write its results."""
     notices(shown=not quiet)
@@ -93,20 +86,10 @@ def run_command(
         name, folder, options = _continued(name, resume, folder, values, changes, stop_time)
     else:
         options = {
-            "assignments": values,
-            "seed": seed,
-            "stop_time": stop_time,
-            "scheme": scheme,
-            "step": step,
-            "events": changes,
-            "record_every": record_every,
-            "record_all": record_all,
-            "isolate": isolate or (),
-            "isolate_timeout": isolate_timeout,
-            "periods": parse_periods(periods or []),
-            "replacements": replacements(replace),
-            "event_files": event_files or (),
-            "checkpoint": checkpoint,
+            **{"assignments": values, "events": changes, "periods": parse_periods(periods or [])},
+            **{"seed": seed, "stop_time": stop_time, "scheme": scheme, "step": step, "checkpoint": checkpoint},
+            **{"record_every": record_every, "record_all": record_all, "event_files": event_files or ()},
+            **{"isolate": isolate or (), "isolate_timeout": isolate_timeout, "replacements": replacements(replace)},
         }
     if name is None:
         raise CosimError("name a scenario or the file of a system; `cosim list` shows the scenarios")

@@ -6,6 +6,7 @@ import io
 import json
 import os
 import zipfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ import numpy as np
 
 from cosim.engine.moment import Moment
 from cosim.errors import CosimError
+from cosim.model.face import Value
 from cosim.model.signals import Vector
 from fmukit import files
 from fmukit.errors import because
@@ -34,6 +36,15 @@ class Checkpoint:
     asked: dict[str, Any]
     models: dict[str, str]
     digest: str
+
+
+@dataclass(frozen=True, slots=True)
+class Resumed:
+    """A run goes on from `checkpoint`, with the rows `table` recorded before it; `changes` are values set first."""
+
+    checkpoint: Checkpoint
+    table: Any
+    changes: Sequence[tuple[str, Value]] = ()
 
 
 def write_checkpoint(kept: Checkpoint, folder: Path) -> None:

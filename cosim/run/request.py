@@ -5,17 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from cosim.engine.loader import ISOLATION_TIMEOUT
 from cosim.engine.models import find
 from cosim.engine.schedule import Scheme
 from cosim.errors import CosimError
 from cosim.model.clock import nanoseconds
+from cosim.results.checkpoint import Resumed
 from cosim.scenario.definition import Scenario
-
-if TYPE_CHECKING:
-    from cosim.run.resuming import Resumed
 
 FAULT = "**.fault"
 """Boolean outputs of the catalogue's FMUs that are false as long as a run goes on; fetching them would take time."""

@@ -16,7 +16,7 @@ from cosim.errors import CosimError
 from cosim.model.clock import SECOND, to_seconds
 from cosim.model.face import Port, Value
 from cosim.model.values import coerce
-from cosim.results.checkpoint import Checkpoint, absolute, read_checkpoint, write_checkpoint
+from cosim.results.checkpoint import Checkpoint, Resumed, absolute, read_checkpoint, write_checkpoint
 from cosim.results.reading import load_results
 from cosim.results.recorder import Recorder
 from cosim.run.prepare import RunPlan
@@ -28,15 +28,6 @@ _KEPT = (
     "assignments", "seed", "stop_time", "scheme", "step", "events", "record_every", "record_all", "isolate",
     "isolate_timeout", "periods", "checkpoint",
 )  # fmt: skip
-
-
-@dataclass(frozen=True, slots=True)
-class Resumed:
-    """A run goes on from `checkpoint`, with the rows `table` recorded before it; `changes` are values set first."""
-
-    checkpoint: Checkpoint
-    table: Any
-    changes: Sequence[tuple[str, Value]] = ()
 
 
 def asked(request: Request) -> dict[str, Any]:

@@ -18,10 +18,10 @@ _LOGGER = ctypes.CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)
 _ALLOCATE = ctypes.CFUNCTYPE(c_void_p, c_size_t, c_size_t)
 _FREE = ctypes.CFUNCTYPE(None, c_void_p)
 _FINISHED = ctypes.CFUNCTYPE(None, c_void_p, c_int)
+_MOST_MESSAGES, _LONGEST_MESSAGE = 100_000, 2_000
 _libraries: dict[str, ctypes.CDLL] = {}
 ears: list[Callable[[str], None]] = []
 """Who is told of every call before it is made, and ("") when it has returned."""
-_MOST_MESSAGES, _LONGEST_MESSAGE = 100_000, 2_000
 
 
 class CallFailed(Exception):  # noqa: N818  (what happened, said of the FMU)
