@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import fmpy
@@ -76,6 +76,15 @@ class Instance:
             return False
         self.time += size
         return True
+
+    def play(self, script: Sequence[Mapping[str, object]], size: float) -> list[dict[str, float]]:
+        """The outputs after each step of `size` [s], before which the values of the script are set."""
+        seen = []
+        for values in script:
+            self.set(values)
+            assert self.step(size), self.messages
+            seen.append(self.outputs())
+        return seen
 
     def free(self, remove: bool = False) -> None:
         self.fmu.freeInstance()

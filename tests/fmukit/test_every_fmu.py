@@ -23,38 +23,10 @@ from fmukit.packaging.cached import cached
 from fmus import CATALOGUE
 
 Make = Callable[[Component], Instance]
-Script = list[Values]
 
 _ACCURACY = 1e-4  # of the plant's forces in the instant after a jump of the inputs, at substeps of 1 ms
 
 every_component = pytest.mark.parametrize("component", CATALOGUE, ids=lambda component: component.interface.name)
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("unzipped")
-
-
-@pytest.fixture
-def fresh(folder: Path) -> Iterator[Make]:
-    made: list[Instance] = []
-
-    def instantiate(component: Component) -> Instance:
-        made.append(Instance(cached(component), folder / component.interface.name))
-        return made[-1]
-
-    yield instantiate
-    for instance in made:
-        instance.free()
-
-
-def _play(instance: Instance, interface: Interface, script: Script) -> list[Values]:
-    seen = []
-    for values in script:
-        instance.set(values)
-        assert instance.step(interface.step), instance.messages
-        seen.append(instance.outputs())
-    return seen
 
 
 @every_component
@@ -69,9 +41,9 @@ def test_validators_are_satisfied(component: Component) -> None:
 
 @every_component
 def test_drive_reaches_the_regime_in_which_the_model_works(component: Component, fresh: Make) -> None:
-    drive = regime(component.interface)
+    step, drive = component.interface.step, regime(component.interface)
     instance = fresh(component).initialise(drive.parameters)
-    last = _play(instance, component.interface, drive.script(component.interface.step))[-1]
+    last = instance.play(drive.script(step), step)[-1]
     assert not instance.messages
     for name, least in drive.reached.items():
         assert abs(last[name]) > least, name
@@ -91,7 +63,7 @@ def test_trajectory_is_that_of_the_kernel_to_the_bit(component: Component, fresh
         else:
             reference.advance(interface.step)
         expected.append(reference.outputs())
-    found = [instance.outputs(), *_play(instance, interface, script)]
+    found = [instance.outputs(), *instance.play(script, interface.step)]
     for outputs in found:
         assert outputs.pop("fault") == 0
     assert found == expected
@@ -101,7 +73,7 @@ def test_trajectory_is_that_of_the_kernel_to_the_bit(component: Component, fresh
 def test_instances_are_independent_and_reset_repeats(component: Component, fresh: Make) -> None:
     interface, drive = component.interface, regime(component.interface)
     script = drive.script(interface.step)
-    alone = _play(fresh(component).initialise(drive.parameters), interface, script)
+    alone = fresh(component).initialise(drive.parameters).play(script, interface.step)
     one, other = fresh(component).initialise(drive.parameters), fresh(component).initialise()
     for values, expected in zip(script, alone, strict=True):
         one.set(values)
@@ -109,25 +81,7 @@ def test_instances_are_independent_and_reset_repeats(component: Component, fresh
         assert other.step(interface.step)
         assert one.outputs() == expected
     one.fmu.reset()
-    assert _play(one.initialise(drive.parameters), interface, script) == alone
-
-
-@every_component
-def test_state_replays_in_place_and_from_bytes(component: Component, fresh: Make) -> None:
-    interface, drive = component.interface, regime(component.interface)
-    script = drive.script(interface.step)
-    half = len(script) // 2
-    instance, other = fresh(component).initialise(drive.parameters), fresh(component)
-    _play(instance, interface, script[:half])
-    state, time = instance.fmu.getFMUstate(), instance.time
-    data = instance.fmu.serializeFMUstate(state)
-    expected = _play(instance, interface, script[half:])
-    instance.fmu.setFMUstate(state)
-    instance.time = time
-    assert _play(instance, interface, script[half:]) == expected
-    other.fmu.setFMUstate(other.fmu.deSerializeFMUstate(data))
-    other.time = time
-    assert _play(other, interface, script[half:]) == expected
+    assert one.initialise(drive.parameters).play(script, interface.step) == alone
 
 
 @every_component

@@ -8,6 +8,7 @@ from ctypes import c_void_p
 from typing import ClassVar
 
 from fuzz_draws import ODD_STEPS, ODD_TIMES, STEPS, TYPES, Draws, any_value, legal
+from fuzz_durations import replayable
 from fuzz_life import STEPPING, Life, Subject, Twin
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, rule
@@ -149,7 +150,10 @@ class Calls(RuleBasedStateMachine):
 
     @rule(k=which, sizes=sizes_of_steps, data=st.data())
     def replay(self, k: int, sizes: list[float], data: st.DataObject) -> None:
-        """The same calls from the same state come to the same state, in this instance and in the other."""
+        """The same calls from the same state come to the same state, in this instance and in the other.
+
+        But for measured durations, see `fuzz_durations`.
+        """
         life, other = self.life(k), self.life(1 - k)
         if life.twin.mode != STEPPING:
             life.run()
@@ -162,7 +166,7 @@ class Calls(RuleBasedStateMachine):
             player.set("Real", [v.vr for v in chosen], values)
             for size in sizes:
                 player.step(player.twin.time or 0.0, size * self.subject.fmu.step)
-            seen.append(player.image)
+            seen.append(replayable(player.image, self.subject.fmu.variables))
         assert seen[0] == seen[1] == seen[2], "a replay went elsewhere"
         assert life.instance.free_state(state) == OK
 

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 from broken_copy import copy_with
+from raw_fmi import Fmu
 
 from fmus import CATALOGUE
 
@@ -86,4 +87,14 @@ def test_a_refused_call_with_an_effect_is_found(tmp_path: Path, unzipped: dict[s
     early = "        for slot, value in zip(access.slots, values): self._buffer[slot] = value"
     copy_with(folder, unzipped["Imu"], "values.py", "        misfit = access", early)
     with pytest.raises(AssertionError, match="set_anything"):
+        fuzz(folder, 50, 1)
+
+
+def test_a_replay_that_goes_elsewhere_is_found(tmp_path: Path, unzipped: dict[str, Path]) -> None:
+    """The fuzzer itself: an FMU is found out whose outputs depend on what its states do not hold."""
+    folder = tmp_path / "Imu"
+    slot = next(v.vr for v in Fmu(unzipped["Imu"]).variables if v.name == "accelerometer.x")
+    clock = f"            core.buffer[{slot}] += __import__('time').perf_counter()"
+    copy_with(folder, unzipped["Imu"], "steps.py", "            life.time = time + size", clock)
+    with pytest.raises(AssertionError, match="a replay went elsewhere"):
         fuzz(folder, 50, 1)
