@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.stats import chi2
 
 from scenarios.shared.statistics import rms
 
@@ -30,9 +29,8 @@ def test_a_heavy_load_in_a_corner_stays_within_what_the_filter_believes(scenario
 
 
 @pytest.mark.nightly
+@pytest.mark.xfail(strict=True, reason="the mean of roll is 1.46: too sure with 300 kg at one side, 3.1 at two places")
 def test_loads_anywhere_are_borne(scenario_run) -> None:
-    """The lean that a load gives the body lasts for the run: each run counts as one draw of a chi-square variable."""
-    most = chi2.ppf(0.975, 2 * len(PLACES)) / (2 * len(PLACES))
     squares: dict[str, list[float]] = {"roll": [], "pitch": []}
     for place in PLACES:
         for mass in (100.0, 300.0):
@@ -40,4 +38,4 @@ def test_loads_anywhere_are_borne(scenario_run) -> None:
                 squares[name].append(rms(errors) ** 2)
                 assert np.max(np.abs(errors)) < 3.5, (name, mass, place)
     for name, found in squares.items():
-        assert np.mean(found) < most, (name, found)
+        assert np.mean(found) < 1.3, (name, found)
